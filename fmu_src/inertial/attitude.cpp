@@ -1,0 +1,60 @@
+#include "inertial/attitude.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace truenorth {
+
+double wrap_angle(double angle) {
+    constexpr double turn = 2.0 * std::numbers::pi;
+    return angle - turn * std::floor((angle + std::numbers::pi) / turn);
+}
+
+Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
+    Eigen::Matrix3d m;
+    m << 0.0, -a.z(), a.y(),  //
+        a.z(), 0.0, -a.x(),   //
+        -a.y(), a.x(), 0.0;
+    return m;
+}
+
+Eigen::Matrix3d dcm(const EulerAngles& angles) {
+    using Eigen::AngleAxisd;
+    using Eigen::Vector3d;
+    return (AngleAxisd(-angles.heading, Vector3d::UnitZ()) * AngleAxisd(angles.pitch, Vector3d::UnitX()) *
+            AngleAxisd(angles.roll, Vector3d::UnitY()))
+        .toRotationMatrix();
+}
+
+EulerAngles euler_angles(const Eigen::Matrix3d& C_bn) {
+    // Third row of C_bn: (-cos p sin r, sin p, cos p cos r); second column: (sin h cos p, cos h cos p, sin p).
+    const double heading = std::atan2(C_bn(0, 1), C_bn(1, 1));
+    return {std::atan2(-C_bn(2, 0), C_bn(2, 2)),
+            std::atan2(C_bn(2, 1), std::hypot(C_bn(2, 0), C_bn(2, 2))),
+            heading < 0.0 ? heading + 2.0 * std::numbers::pi : heading};
+}
+
+Eigen::Quaterniond quaternion(const Eigen::Vector3d& rotation_vector) {
+    const double angle2 = rotation_vector.squaredNorm();
+    // Below 1e-4 rad two terms of the series are exact to double precision, and safe at zero.
+    double sine_over_angle = 0.5 - angle2 / 48.0;
+    double cosine = 1.0 - angle2 / 8.0;
+    if (angle2 > 1e-8) {
+        const double angle = std::sqrt(angle2);
+        sine_over_angle = std::sin(0.5 * angle) / angle;
+        cosine = std::cos(0.5 * angle);
+    }
+    const Eigen::Vector3d v = sine_over_angle * rotation_vector;
+    return {cosine, v.x(), v.y(), v.z()};
+}
+
+Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
+    const double sign = q.w() < 0.0 ? -1.0 : 1.0;
+    const double sine = q.vec().norm();
+    if (sine < 1e-12) {
+        return 2.0 * sign * q.vec();
+    }
+    return (2.0 * std::atan2(sine, sign * q.w()) / sine) * sign * q.vec();
+}
+
+}  // namespace truenorth

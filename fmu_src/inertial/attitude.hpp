@@ -1,0 +1,35 @@
+// Attitude: rotation vectors, Euler angles, small conveniences on SO(3).
+//
+// C_bn maps body (right, forward, up) to navigation (east, north, up) components: v_n = C_bn v_b.
+// Heading is clockwise from north, pitch about the right axis (bow up positive), roll about the forward
+// axis (right side down positive): C_bn = C_z(-heading) C_x(pitch) C_y(roll) as active rotations.
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace truenorth {
+
+// Euler angles [rad]; heading in [0, 2 pi), pitch in [-pi/2, pi/2], roll in (-pi, pi].
+struct EulerAngles {
+    double roll = 0.0;
+    double pitch = 0.0;
+    double heading = 0.0;
+};
+
+// Angle wrapped to [-pi, pi) [rad].
+double wrap_angle(double angle);
+
+// Cross-product matrix: skew(a) b = a x b.
+Eigen::Matrix3d skew(const Eigen::Vector3d& a);
+
+// Body-to-navigation matrix C_bn of the Euler angles, and back.
+Eigen::Matrix3d dcm(const EulerAngles& angles);
+EulerAngles euler_angles(const Eigen::Matrix3d& C_bn);
+
+// Unit quaternion of a rotation vector [rad]: v -> v rotated by |a| about a. Accurate for any |a|, 0 included.
+Eigen::Quaterniond quaternion(const Eigen::Vector3d& rotation_vector);
+
+// Rotation vector [rad] of a unit quaternion, |a| <= pi.
+Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q);
+
+}  // namespace truenorth

@@ -1,0 +1,56 @@
+#include "inertial/earth.hpp"
+
+#include <cmath>
+
+#include "inertial/attitude.hpp"
+
+namespace truenorth::earth {
+
+Radii radii(double latitude) {
+    const double s = std::sin(latitude);
+    const double w2 = 1.0 - kEccentricity2 * s * s;
+    const double prime_vertical = kSemiMajorAxis / std::sqrt(w2);
+    return {prime_vertical * (1.0 - kEccentricity2) / w2, prime_vertical};
+}
+
+double gravity(double latitude, double height) {
+    constexpr double semi_minor_axis = kSemiMajorAxis * (1.0 - kFlattening);
+    constexpr double k = semi_minor_axis * kPolarGravity / (kSemiMajorAxis * kEquatorialGravity) - 1.0;
+    constexpr double m =
+        kRate * kRate * kSemiMajorAxis * kSemiMajorAxis * semi_minor_axis / kGravitationalParameter;
+    const double s2 = std::sin(latitude) * std::sin(latitude);
+    const double on_ellipsoid = kEquatorialGravity * (1.0 + k * s2) / std::sqrt(1.0 - kEccentricity2 * s2);
+    const double h = height / kSemiMajorAxis;
+    return on_ellipsoid * (1.0 - 2.0 * (1.0 + kFlattening + m - 2.0 * kFlattening * s2) * h + 3.0 * h * h);
+}
+
+Eigen::Vector3d rate(double latitude) {
+    return {0.0, kRate * std::cos(latitude), kRate * std::sin(latitude)};
+}
+
+Eigen::Vector3d transport_rate(const Position& position, const Eigen::Vector3d& velocity) {
+    const auto [meridian, prime_vertical] = radii(position.latitude);
+    const double east = velocity.x() / (prime_vertical + position.height);
+    return {-velocity.y() / (meridian + position.height), east, east * std::tan(position.latitude)};
+}
+
+Eigen::Vector3d position_rate(const Position& position, const Eigen::Vector3d& velocity) {
+    const auto [meridian, prime_vertical] = radii(position.latitude);
+    return {velocity.y() / (meridian + position.height),
+            velocity.x() / ((prime_vertical + position.height) * std::cos(position.latitude)), velocity.z()};
+}
+
+Position displaced(const Position& position, const Eigen::Vector3d& displacement) {
+    const Eigen::Vector3d change = position_rate(position, displacement);
+    return {position.latitude + change.x(), wrap_angle(position.longitude + change.y()),
+            position.height + change.z()};
+}
+
+Eigen::Vector3d displacement(const Position& from, const Position& to) {
+    const auto [meridian, prime_vertical] = radii(from.latitude);
+    return {wrap_angle(to.longitude - from.longitude) * (prime_vertical + from.height) *
+                std::cos(from.latitude),
+            (to.latitude - from.latitude) * (meridian + from.height), to.height - from.height};
+}
+
+}  // namespace truenorth::earth

@@ -1,0 +1,58 @@
+// The Earth: WGS-84 ellipsoid, normal gravity, earth rate and transport rate.
+//
+// Frame: n = ENU (east, north, up) at the geodetic position given. SI units and radians throughout.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace truenorth::earth {
+
+// WGS-84 (NIMA TR8350.2, 3rd ed., tables 3.1, 3.3, 3.4).
+inline constexpr double kSemiMajorAxis = 6378137.0;                    // [m]
+inline constexpr double kFlattening = 1.0 / 298.257223563;             // [-]
+inline constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
+inline constexpr double kRate = 7.292115e-5;                           // [rad/s]
+inline constexpr double kEquatorialGravity = 9.7803253359;             // [m/s2]
+inline constexpr double kPolarGravity = 9.8321849378;                  // [m/s2]
+inline constexpr double kGravitationalParameter = 3.986004418e14;      // [m3/s2]
+inline constexpr double kStandardGravity = 9.80665;                    // the unit "g" [m/s2]
+
+// Geodetic position; latitude and longitude [rad], height above the ellipsoid [m].
+struct Position {
+    double latitude = 0.0;
+    double longitude = 0.0;
+    double height = 0.0;
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(latitude, longitude, height);
+    }
+};
+
+// Radii of curvature [m]: meridian (north-south) and prime vertical (east-west).
+struct Radii {
+    double meridian;
+    double prime_vertical;
+};
+Radii radii(double latitude);
+
+// Magnitude of normal gravity [m/s2]: Somigliana on the ellipsoid, second-order expansion in height
+// (TR8350.2, eq. 4-3). The gravity vector in n is (0, 0, -gravity).
+double gravity(double latitude, double height);
+
+// Earth rate in n, w_ie^n [rad/s].
+Eigen::Vector3d rate(double latitude);
+
+// Transport rate in n, w_en^n [rad/s], of a vehicle with velocity v^n [m/s]. Singular at the poles.
+Eigen::Vector3d transport_rate(const Position& position, const Eigen::Vector3d& velocity);
+
+// d(latitude, longitude, height)/dt for velocity v^n [m/s]; [rad/s, rad/s, m/s]. Singular at the poles.
+Eigen::Vector3d position_rate(const Position& position, const Eigen::Vector3d& velocity);
+
+// Position displaced by a small vector in n [m] (first order: metres, not kilometres).
+Position displaced(const Position& position, const Eigen::Vector3d& displacement);
+
+// Small vector in n [m] that leads from `from` to `to` (first order; longitudes wrap).
+Eigen::Vector3d displacement(const Position& from, const Position& to);
+
+}  // namespace truenorth::earth
