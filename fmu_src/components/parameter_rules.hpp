@@ -1,0 +1,61 @@
+// Rules that a parameter's declaration can state. Each throws InvalidParameter with a sentence such as
+// "imu.rate = -1: must be greater than 0".
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+#include "components/invalid_parameter.hpp"
+
+namespace truenorth::rules {
+
+// The shortest text that reads back to the same number.
+template <class Number>
+[[nodiscard]] std::string text(Number number) {
+    std::array<char, 32> digits{};
+    const auto end = std::to_chars(digits.begin(), digits.end(), number).ptr;
+    return {digits.begin(), end};
+}
+
+template <class Number>
+[[noreturn]] void refuse(std::string_view name, Number value, const std::string& rule) {
+    throw InvalidParameter(std::string(name) + " = " + text(value) + ": must be " + rule);
+}
+
+inline void finite(std::string_view name, double value) {
+    if (!std::isfinite(value)) refuse(name, value, "a finite number");
+}
+
+template <class Number>
+void at_least(std::string_view name, Number value, Number limit) {
+    if (value < limit) refuse(name, value, "at least " + text(limit));
+}
+
+template <class Number>
+void greater_than(std::string_view name, Number value, Number limit) {
+    if (value <= limit) refuse(name, value, "greater than " + text(limit));
+}
+
+template <class Number>
+void at_most(std::string_view name, Number value, Number limit) {
+    if (value > limit) refuse(name, value, "at most " + text(limit));
+}
+
+template <class Enumeration>
+void one_of(std::string_view name, Enumeration value, std::initializer_list<std::string_view> items) {
+    const auto number = static_cast<int>(value);
+    if (number >= 1 && number <= static_cast<int>(items.size())) return;
+    std::string list;
+    int count = 0;
+    for (const std::string_view item : items) {
+        ++count;
+        list += (count == 1 ? "" : ", ") + std::string(item) + " (" + text(count) + ")";
+    }
+    refuse(name, number, "one of " + list);
+}
+
+}  // namespace truenorth::rules

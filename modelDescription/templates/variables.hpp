@@ -1,0 +1,74 @@
+// Generated from modelDescription/{{ component.name }}.toml; do not edit.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cereal/types/array.hpp>
+#include <cereal/types/common.hpp>
+
+#include "components/parameter_rules.hpp"
+#include "components/serialisation.hpp"
+
+namespace truenorth::{{ component.snake_name }} {
+
+{% for name, enumeration in component.enumeration.items() %}
+// {{ enumeration.description }}
+enum class {{ name }} : int {
+{% for item in enumeration.items %}
+    {{ item.name }} = {{ loop.index }},  // {{ item.description }}
+{% endfor %}
+};
+
+{% endfor %}
+{% macro serialize(members, pad) -%}
+{{ pad }}template <class Archive>
+{{ pad }}void serialize([[maybe_unused]] Archive& archive) {
+{% for member in members %}
+{{ pad }}    archive({{ member.name }});
+{% endfor %}
+{{ pad }}}
+{%- endmacro %}
+{% macro body(members, pad) %}
+{% for member in members %}
+{% if member.variable %}
+{% set unit = member.variable.unit %}
+{{ pad }}{{ cpp.type(member.variable) }} {{ member.name }}{{ cpp.initialiser(member.variable) }};  // {{ '[%s] ' % unit if unit else '' }}{{ member.variable.description }}
+{% else %}
+{{ pad }}struct {{ member.type_name }} {
+{{ body(member.members, pad ~ '    ') -}}
+{{ pad }}};
+{{ pad }}{{ member.type_name }} {{ member.name }};
+{% endif %}
+{% endfor %}
+
+{{ serialize(members, pad) }}
+{% endmacro %}
+{% for title, members in [
+    ('Parameters', nest(component.of('parameter', 'tunable'))),
+    ('Inputs', nest(component.of('input'))),
+    ('Outputs', nest(component.of('output')))] %}
+struct {{ title }} {
+{{ body(members, '    ') -}}
+};
+
+{% endfor %}
+// Throws InvalidParameter for the first parameter that breaks a rule of its declaration.
+inline void validate(const Parameters& parameters) {
+{% for variable in component.of('parameter', 'tunable') %}
+{% set elements = cpp.elements(variable) %}
+{% for name in variable.scalar_names %}
+{% set value = 'parameters.' ~ elements[loop.index0] %}
+{% if variable.type == 'Real' %}
+    rules::finite("{{ name }}", {{ value }});
+{% endif %}
+{% for rule, limit in [('at_least', variable.min), ('greater_than', variable.above), ('at_most', variable.max)] if limit is not none %}
+    rules::{{ rule }}("{{ name }}", {{ value }}, {{ cpp.limit(variable, limit) }});
+{% endfor %}
+{% if variable.type in component.enumeration %}
+    rules::one_of("{{ name }}", {{ value }}, { {%- for item in component.enumeration[variable.type].items %}"{{ item.name }}"{{ ', ' if not loop.last }}{% endfor -%} });
+{% endif %}
+{% endfor %}
+{% endfor %}
+}
+
+}  // namespace truenorth::{{ component.snake_name }}
