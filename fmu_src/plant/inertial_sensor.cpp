@@ -1,0 +1,45 @@
+#include "plant/inertial_sensor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "inertial/attitude.hpp"
+
+namespace truenorth::plant {
+
+InertialSensor::InertialSensor(const Errors& errors, double period, const Streams& streams)
+    : gain_((Eigen::Vector3d::Ones() + errors.scale_factor).asDiagonal() *
+            quaternion(-errors.misalignment).toRotationMatrix()),
+      bias_(errors.bias + errors.bias_sigma * streams.bias.normal(0)),
+      bias_step_(errors.bias_step),
+      bias_step_time_(errors.bias_step_time),
+      period_(period),
+      white_sigma_(errors.white_noise * std::sqrt(period)),
+      quantisation_(errors.quantisation),
+      white_(streams.white),
+      markov_(errors.markov_sigma, errors.markov_time, period, streams.markov),
+      wave_(errors.wave_sigma, errors.wave_period, errors.wave_damping, period, streams.wave) {}
+
+Eigen::Vector3d InertialSensor::measure(State& state, std::uint64_t sample, double time,
+                                        const Eigen::Vector3d& true_increment) const {
+    markov_.advance(state.markov, sample);
+    wave_.advance(state.wave, sample);
+    Eigen::Vector3d increment =
+        gain_ * true_increment + (slow_error(state, time) + WaveNoise::noise(state.wave)) * period_;
+    if (white_sigma_ > 0.0) {
+        increment += white_sigma_ * white_.normal(sample);
+    }
+    if (quantisation_ > 0.0) {
+        const Eigen::Vector3d total = state.remainder + increment;
+        increment = quantisation_ * (total / quantisation_).array().round();
+        state.remainder = total - increment;
+    }
+    return increment;
+}
+
+Eigen::Vector3d InertialSensor::slow_error(const State& state, double time) const {
+    const double stepped = std::clamp((time - bias_step_time_) / period_, 0.0, 1.0);  // share of the sample
+    return bias_ + stepped * bias_step_ + state.markov;
+}
+
+}  // namespace truenorth::plant

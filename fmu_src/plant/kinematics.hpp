@@ -1,0 +1,25 @@
+// What a motion is at one instant: velocity and attitude, and their exact derivatives.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "inertial/attitude.hpp"
+
+namespace truenorth::plant {
+
+struct Kinematics {
+    Eigen::Vector3d velocity;      // v^n, relative to the Earth [m/s]
+    Eigen::Vector3d acceleration;  // dv^n/dt, of the components in n [m/s2]
+    Eigen::Matrix3d C_bn;          // body (right, forward, up) to n (east, north, up)
+    Eigen::Vector3d omega_nb_b;    // w_nb^b, body relative to n [rad/s]
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(velocity, acceleration, C_bn, omega_nb_b);
+    }
+};
+
+// Body rate w_nb^b [rad/s] of the Euler angles whose derivatives are `rates`; C_bn = dcm(angles).
+Eigen::Vector3d body_rate(const EulerAngles& angles, const EulerAngles& rates, const Eigen::Matrix3d& C_bn);
+
+}  // namespace truenorth::plant

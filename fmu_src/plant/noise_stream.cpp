@@ -1,0 +1,24 @@
+#include "plant/noise_stream.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace truenorth::plant {
+
+Eigen::Vector4d NoiseStream::uniform(std::uint64_t index) const {
+    const PhiloxCounter bits =
+        philox({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32U), 0, 0}, key_);
+    constexpr double unit = 0x1p-32;
+    return {(bits[0] + 0.5) * unit, (bits[1] + 0.5) * unit, (bits[2] + 0.5) * unit, (bits[3] + 0.5) * unit};
+}
+
+Eigen::Vector3d NoiseStream::normal(std::uint64_t index) const {
+    const Eigen::Vector4d u = uniform(index);
+    const double radius_0 = std::sqrt(-2.0 * std::log(u[0]));
+    const double radius_1 = std::sqrt(-2.0 * std::log(u[2]));
+    const double angle_0 = 2.0 * std::numbers::pi * u[1];
+    const double angle_1 = 2.0 * std::numbers::pi * u[3];
+    return {radius_0 * std::cos(angle_0), radius_0 * std::sin(angle_0), radius_1 * std::cos(angle_1)};
+}
+
+}  // namespace truenorth::plant

@@ -1,0 +1,42 @@
+// Random numbers of one noise source: draw number `index` is a pure function of seed, source and index.
+// Switching a source off leaves all others as they were, sample for sample; there is no state to carry.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "plant/philox.hpp"
+
+namespace truenorth::plant {
+
+// The numbers are part of the signals: never renumber, or the same seed gives other signals.
+enum class NoiseSource : std::uint32_t {
+    gyro_bias = 1,
+    gyro_white = 2,
+    gyro_markov = 3,
+    gyro_wave = 4,
+    accelerometer_bias = 5,
+    accelerometer_white = 6,
+    accelerometer_markov = 7,
+    accelerometer_wave = 8,
+    gnss_position = 9,
+    gnss_velocity = 10,
+    gnss_position_outlier = 11,
+    gnss_velocity_outlier = 12,
+};
+
+class NoiseStream {
+  public:
+    NoiseStream(std::uint32_t seed, NoiseSource source) : key_{seed, static_cast<std::uint32_t>(source)} {}
+
+    // Four independent numbers, uniform in (0, 1), a multiple of 2^-33.
+    [[nodiscard]] Eigen::Vector4d uniform(std::uint64_t index) const;
+
+    // Three independent numbers N(0, 1), by Box and Muller; none is larger than 6.8.
+    [[nodiscard]] Eigen::Vector3d normal(std::uint64_t index) const;
+
+  private:
+    PhiloxKey key_;
+};
+
+}  // namespace truenorth::plant

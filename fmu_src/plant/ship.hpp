@@ -1,0 +1,23 @@
+// A ship, moored (speed 0) or under way: its velocity is speed along the course plus the orbital velocity of
+// the waves; it sways about all three axes (Zhou 2011, section 3).
+#pragma once
+
+#include <array>
+
+#include "plant/kinematics.hpp"
+#include "plant/oscillation.hpp"
+#include "plant/turn.hpp"
+
+namespace truenorth::plant {
+
+struct Ship {
+    double course;     // before all turns, clockwise from north [rad]
+    double speed;      // [m/s]
+    Oscillation sway;  // roll, pitch, yaw [rad]; yaw is counter-clockwise: heading = course - yaw
+    Oscillation wave;  // velocity east, north, up [m/s]
+    std::array<Turn, 8> turns;
+
+    [[nodiscard]] Kinematics at(double time) const;
+};
+
+}  // namespace truenorth::plant

@@ -1,0 +1,73 @@
+#include "plant/trajectory.hpp"
+
+#include <array>
+
+#include "inertial/attitude.hpp"
+
+namespace truenorth::plant {
+
+namespace {
+
+struct Node {
+    double at;      // in [0, 1]
+    double weight;  // all nodes: 1
+};
+constexpr double kBeginWeight = 1.0 / 12.0;
+constexpr double kInnerNode = 0.27639320225002103;  // (1 - 1 / sqrt(5)) / 2
+constexpr std::array<Node, 3> kNodes{
+    {{kInnerNode, 5.0 / 12.0}, {1.0 - kInnerNode, 5.0 / 12.0}, {1.0, 1.0 / 12.0}}};
+
+Trajectory::Rates rates(const earth::Position& position, const Kinematics& kinematics) {
+    const Eigen::Vector3d& velocity = kinematics.velocity;
+    const Eigen::Vector3d omega_ie = earth::rate(position.latitude);
+    const Eigen::Vector3d omega_en = earth::transport_rate(position, velocity);
+    const Eigen::Vector3d gravity(0.0, 0.0, -earth::gravity(position.latitude, position.height));
+    const Eigen::Vector3d f_n =
+        kinematics.acceleration + (2.0 * omega_ie + omega_en).cross(velocity) - gravity;
+    return {kinematics.omega_nb_b + kinematics.C_bn.transpose() * (omega_ie + omega_en),
+            kinematics.C_bn.transpose() * f_n, earth::position_rate(position, velocity)};
+}
+
+}  // namespace
+
+Trajectory::State Trajectory::begin(double time) const {
+    const Kinematics kinematics = at(motion_, time);
+    return {time, Eigen::Vector3d::Zero(), kinematics, rates(start_, kinematics)};
+}
+
+Trajectory::Increments Trajectory::advance(State& state, double to) const {
+    const double duration = to - state.time;
+    const Rates begin = state.rates;
+    Rates mean{kBeginWeight * begin.omega_ib_b, kBeginWeight * begin.f_b, kBeginWeight * begin.position_rate};
+    for (const Node& node : kNodes) {
+        const double elapsed = node.at * duration;
+        state.kinematics = at(motion_, state.time + elapsed);
+        // The rates hardly depend on position: a first-order prediction is 1e-11 of the Earth's radius off.
+        state.rates = rates(position(state.travelled + elapsed * begin.position_rate), state.kinematics);
+        mean.omega_ib_b += node.weight * state.rates.omega_ib_b;
+        mean.f_b += node.weight * state.rates.f_b;
+        mean.position_rate += node.weight * state.rates.position_rate;
+    }
+    state.travelled += duration * mean.position_rate;
+    state.time = to;
+    return {duration * mean.omega_ib_b, duration * mean.f_b};
+}
+
+earth::Position Trajectory::position(const Eigen::Vector3d& travelled) const {
+    return {start_.latitude + travelled.x(), wrap_angle(start_.longitude + travelled.y()),
+            start_.height + travelled.z()};
+}
+
+earth::Position displaced(const earth::Position& imu, const Kinematics& kinematics,
+                          const Eigen::Vector3d& lever_arm) {
+    return earth::displaced(imu, kinematics.C_bn * lever_arm);
+}
+
+Eigen::Vector3d velocity_at(const earth::Position& imu, const Kinematics& kinematics,
+                            const Eigen::Vector3d& lever_arm) {
+    const Eigen::Vector3d omega_eb_b =
+        kinematics.omega_nb_b + kinematics.C_bn.transpose() * earth::transport_rate(imu, kinematics.velocity);
+    return kinematics.velocity + kinematics.C_bn * omega_eb_b.cross(lever_arm);
+}
+
+}  // namespace truenorth::plant
