@@ -27,10 +27,10 @@ Eigen::Matrix3d dcm(const EulerAngles& angles) {
 }
 
 EulerAngles euler_angles(const Eigen::Matrix3d& C_bn) {
-    // Third row of C_bn: (-cos p sin r, sin p, cos p cos r); second column: (sin h cos p, cos h cos p, sin p).
+    // Third row of C_bn: (-cos p sin r, sin p, cos p cos r); second column: (sin h cos p, cos h cos p, sin
+    // p).
     const double heading = std::atan2(C_bn(0, 1), C_bn(1, 1));
-    return {std::atan2(-C_bn(2, 0), C_bn(2, 2)),
-            std::atan2(C_bn(2, 1), std::hypot(C_bn(2, 0), C_bn(2, 2))),
+    return {std::atan2(-C_bn(2, 0), C_bn(2, 2)), std::atan2(C_bn(2, 1), std::hypot(C_bn(2, 0), C_bn(2, 2))),
             heading < 0.0 ? heading + 2.0 * std::numbers::pi : heading};
 }
 

@@ -26,7 +26,8 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& a);
 Eigen::Matrix3d dcm(const EulerAngles& angles);
 EulerAngles euler_angles(const Eigen::Matrix3d& C_bn);
 
-// Unit quaternion of a rotation vector [rad]: v -> v rotated by |a| about a. Accurate for any |a|, 0 included.
+// Unit quaternion of a rotation vector [rad]: v -> v rotated by |a| about a. Accurate for any |a|, 0
+// included.
 Eigen::Quaterniond quaternion(const Eigen::Vector3d& rotation_vector);
 
 // Rotation vector [rad] of a unit quaternion, |a| <= pi.

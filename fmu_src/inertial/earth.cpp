@@ -48,9 +48,9 @@ Position displaced(const Position& position, const Eigen::Vector3d& displacement
 
 Eigen::Vector3d displacement(const Position& from, const Position& to) {
     const auto [meridian, prime_vertical] = radii(from.latitude);
-    return {wrap_angle(to.longitude - from.longitude) * (prime_vertical + from.height) *
-                std::cos(from.latitude),
-            (to.latitude - from.latitude) * (meridian + from.height), to.height - from.height};
+    return {
+        wrap_angle(to.longitude - from.longitude) * (prime_vertical + from.height) * std::cos(from.latitude),
+        (to.latitude - from.latitude) * (meridian + from.height), to.height - from.height};
 }
 
 }  // namespace truenorth::earth

@@ -8,14 +8,14 @@
 namespace truenorth::earth {
 
 // WGS-84 (NIMA TR8350.2, 3rd ed., tables 3.1, 3.3, 3.4).
-inline constexpr double kSemiMajorAxis = 6378137.0;                    // [m]
-inline constexpr double kFlattening = 1.0 / 298.257223563;             // [-]
+inline constexpr double kSemiMajorAxis = 6378137.0;         // [m]
+inline constexpr double kFlattening = 1.0 / 298.257223563;  // [-]
 inline constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
-inline constexpr double kRate = 7.292115e-5;                           // [rad/s]
-inline constexpr double kEquatorialGravity = 9.7803253359;             // [m/s2]
-inline constexpr double kPolarGravity = 9.8321849378;                  // [m/s2]
-inline constexpr double kGravitationalParameter = 3.986004418e14;      // [m3/s2]
-inline constexpr double kStandardGravity = 9.80665;                    // the unit "g" [m/s2]
+inline constexpr double kRate = 7.292115e-5;                       // [rad/s]
+inline constexpr double kEquatorialGravity = 9.7803253359;         // [m/s2]
+inline constexpr double kPolarGravity = 9.8321849378;              // [m/s2]
+inline constexpr double kGravitationalParameter = 3.986004418e14;  // [m3/s2]
+inline constexpr double kStandardGravity = 9.80665;                // the unit "g" [m/s2]
 
 // Geodetic position; latitude and longitude [rad], height above the ellipsoid [m].
 struct Position {

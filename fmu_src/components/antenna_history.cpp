@@ -1,0 +1,48 @@
+#include "components/antenna_history.hpp"
+
+namespace truenorth {
+
+namespace {
+constexpr double kTimeTolerance = 1e-6;  // [s]
+}
+
+void AntennaHistory::push(const AntennaState& state) {
+    const bool crowded = size_ >= 2 && state.time - back(1).time < kSpacing;
+    if (!crowded) {
+        newest_ = (newest_ + 1) % kCapacity;
+        size_ = size_ < kCapacity ? size_ + 1 : kCapacity;
+    }
+    entries_[newest_] = state;
+}
+
+std::optional<AntennaState> AntennaHistory::at(double time) const {
+    if (size_ == 0 || time > back(0).time + kTimeTolerance) {
+        return std::nullopt;
+    }
+    if (time >= back(0).time) {
+        return back(0);
+    }
+    for (std::size_t age = 1; age < size_; ++age) {
+        const AntennaState& before = back(age);
+        if (time < before.time) {
+            continue;
+        }
+        const AntennaState& after = back(age - 1);
+        const double share = (time - before.time) / (after.time - before.time);
+        return AntennaState{
+            time,
+            earth::displaced(before.position, share * earth::displacement(before.position, after.position)),
+            before.velocity + share * (after.velocity - before.velocity)};
+    }
+    return std::nullopt;
+}
+
+void AntennaHistory::shift(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement) {
+    for (std::size_t age = 0; age < size_; ++age) {
+        AntennaState& entry = entries_[(newest_ + kCapacity - age) % kCapacity];
+        entry.velocity += velocity;
+        entry.position = earth::displaced(entry.position, displacement);
+    }
+}
+
+}  // namespace truenorth

@@ -1,0 +1,55 @@
+// Where the mechanisation had the GNSS antenna over the last seconds, so that a fix is compared with the
+// moment at which it was valid.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "inertial/earth.hpp"
+
+namespace truenorth {
+
+struct AntennaState {
+    double time = 0.0;
+    earth::Position position;
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // ENU [m/s]
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(time, position, velocity);
+    }
+};
+
+class AntennaHistory {
+  public:
+    static constexpr std::size_t kCapacity = 256;
+    static constexpr double kSpacing =
+        0.0099;  // entries closer than this [s] replace each other: 2.5 s at least
+
+    void push(const AntennaState& state);
+
+    // The antenna at `time`, interpolated; none when that is before the oldest entry or after the newest.
+    [[nodiscard]] std::optional<AntennaState> at(double time) const;
+
+    // The mechanisation has been corrected: by these amounts [m/s], [m] in ENU.
+    void shift(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement);
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(size_, newest_, entries_);
+    }
+
+  private:
+    // Entry `age` steps before the newest.
+    [[nodiscard]] const AntennaState& back(std::size_t age) const {
+        return entries_[(newest_ + kCapacity - age) % kCapacity];
+    }
+
+    std::array<AntennaState, kCapacity> entries_{};
+    std::size_t newest_ = 0;
+    std::size_t size_ = 0;
+};
+
+}  // namespace truenorth

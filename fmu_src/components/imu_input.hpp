@@ -1,0 +1,52 @@
+// Reads an IMU port: decides whether its increments are new, stale, incomplete or impossible.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "inertial/mechanisation.hpp"
+
+namespace truenorth {
+
+class ImuInput {
+  public:
+    enum class Verdict { stale, accepted, rejected };
+
+    // Beyond these no vehicle and no sensor of this kind goes; a value beyond them is a fault of the data.
+    static constexpr double kLargestRate = 50.0;     // [rad/s]
+    static constexpr double kLargestForce = 2000.0;  // [m/s2]
+
+    void start(double time) {
+        *this = ImuInput{};
+        time_ = time;
+    }
+
+    // `sample` counts the increments that the sensor put out. A count that has advanced by more than one
+    // means that increments were missed: the new ones are then taken as the mean of the whole gap.
+    Verdict read(int sample, double time, const Eigen::Vector3d& delta_angle,
+                 const Eigen::Vector3d& delta_velocity);
+
+    [[nodiscard]] const ImuIncrement& increment() const { return increment_; }  // the last one accepted
+    [[nodiscard]] double time() const { return time_; }  // end of the last accepted increment, or the start
+    [[nodiscard]] bool any() const { return any_; }      // a sample has been accepted
+    [[nodiscard]] int gap() const { return gap_; }  // increments missed just before the last accepted one
+    [[nodiscard]] int rejected() const { return rejected_; }
+    [[nodiscard]] int missed() const { return missed_; }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(increment_, time_, any_, gap_, seen_, accepted_, rejected_, rejected_since_, missed_);
+    }
+
+  private:
+    ImuIncrement increment_;
+    double time_ = 0.0;
+    bool any_ = false;
+    int gap_ = 0;
+    int seen_ = 0;      // sample count last looked at
+    int accepted_ = 0;  // sample count last accepted
+    int rejected_ = 0;
+    int rejected_since_ = 0;  // since the last accepted one
+    int missed_ = 0;
+};
+
+}  // namespace truenorth

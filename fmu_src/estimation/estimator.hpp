@@ -1,0 +1,58 @@
+// State and covariance of a model, and the predictor that was chosen for it at run time.
+#pragma once
+
+#include <utility>
+#include <variant>
+
+#include "estimation/linearised.hpp"
+#include "estimation/model.hpp"
+#include "estimation/unscented.hpp"
+
+namespace truenorth {
+
+using Predictor = std::variant<Linearised, Unscented>;
+
+template <ErrorModel M>
+class Estimator {
+  public:
+    static constexpr int kStates = M::kStates;
+
+    M model;
+    Predictor predictor;
+    typename M::State state{};
+    Matrix<kStates> covariance = Matrix<kStates>::Zero();
+
+    // First phase: state and covariance at the end of the interval.
+    Prediction predict(const typename M::Interval& interval) {
+        return std::visit(
+            [&](const auto& chosen) { return chosen.predict(model, state, covariance, interval); },
+            predictor);
+    }
+
+    // Second phase.
+    [[nodiscard]] auto innovate(const typename M::Fix& fix) const {
+        return truenorth::innovate(model, state, covariance, fix);
+    }
+
+    // Third phase, once a corrector has spoken.
+    template <int Measurements>
+    void apply(const Correction<kStates, Measurements>& correction) {
+        state = model.retract(state, correction.deviation);
+        covariance = correction.covariance;
+    }
+
+    // The estimate has been fed back to what it is an error of; x_reset is what remains (zero, for a vector).
+    void reset(const typename M::State& x_reset) {
+        const Matrix<kStates> G = model.reset_jacobian(state);
+        covariance = G * covariance * G.transpose();
+        symmetrise(covariance);
+        state = x_reset;
+    }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(state, covariance);
+    }
+};
+
+}  // namespace truenorth

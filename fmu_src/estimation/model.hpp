@@ -1,0 +1,45 @@
+// What an error model offers to predictors; the only thing that estimation knows of it.
+#pragma once
+
+#include <concepts>
+
+#include "estimation/gaussian.hpp"
+
+namespace truenorth {
+
+// A model has N states and M measured quantities, and a State of its own to which deviations are applied.
+// `Interval` carries what drives the model over a filter interval, `Fix` what a measurement brings.
+//
+//   retract(x, d)              the state x moved by the deviation d
+//   propagate(x, D, interval)  moves x over the interval; replaces each column d of D (N x K) by the
+//   deviation,
+//                              from the moved x, of the moved retract(x, d)
+//   transition(x, interval)    Jacobian of the moved deviation with respect to the deviation, at zero (N x N)
+//   process_noise(x, interval) covariance that the interval adds (N x N)
+//   residual(x, fix)           measurement minus prediction (M)
+//   measurement_matrix(x, fix) Jacobian of the prediction with respect to the deviation (M x N)
+//   measurement_noise(x, fix)  R (M x M)
+template <class M>
+concept ErrorModel = requires(const M& model, typename M::State& state, const typename M::State& x,
+                              const typename M::Interval& interval, const typename M::Fix& fix,
+                              Points<M::kStates, 2 * M::kStates + 1>& points) {
+    { model.retract(x, Vector<M::kStates>()) } -> std::same_as<typename M::State>;
+    { model.propagate(state, points, interval) };
+    { model.transition(x, interval) } -> std::convertible_to<Matrix<M::kStates>>;
+    { model.process_noise(x, interval) } -> std::convertible_to<Matrix<M::kStates>>;
+    { model.residual(x, fix) } -> std::convertible_to<Vector<M::kMeasurements>>;
+    { model.measurement_matrix(x, fix) } -> std::convertible_to<Matrix<M::kMeasurements, M::kStates>>;
+    { model.measurement_noise(x, fix) } -> std::convertible_to<Matrix<M::kMeasurements>>;
+};
+
+// Second phase of the filter step: the innovation of a fix, its prediction linear in the deviation.
+template <ErrorModel M>
+Innovation<M::kStates, M::kMeasurements> innovate(const M& model, const typename M::State& state,
+                                                  const Matrix<M::kStates>& covariance,
+                                                  const typename M::Fix& fix) {
+    const Matrix<M::kMeasurements, M::kStates> H = model.measurement_matrix(state, fix);
+    const Matrix<M::kStates, M::kMeasurements> cross = covariance * H.transpose();
+    return {model.residual(state, fix), H * cross, model.measurement_noise(state, fix), cross};
+}
+
+}  // namespace truenorth
