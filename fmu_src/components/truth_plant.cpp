@@ -1,0 +1,287 @@
+#include "components/truth_plant.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "inertial/attitude.hpp"
+
+namespace truenorth {
+
+namespace {
+
+using truth_plant::MotionKind;
+using truth_plant::Parameters;
+
+// Tolerance when a communication step or a ratio of rates is taken for a whole number.
+constexpr double kWhole = 1e-3;
+
+std::string element(const std::string& name, Eigen::Index index) {
+    return name + "[" + rules::text(index + 1) + "]";
+}
+
+std::string with_value(const std::string& name, double value) {
+    return name + " (" + rules::text(value) + ")";
+}
+
+void check_period(const std::string& name, const Eigen::Vector3d& period, const Eigen::Vector3d& amplitude,
+                  double imu_rate) {
+    for (Eigen::Index i = 0; i < 3; ++i) {
+        if (amplitude[i] > 0.0 && period[i] <= 2.0 / imu_rate) {
+            rules::refuse(element(name, i), period[i],
+                          "greater than " + with_value("two IMU periods", 2.0 / imu_rate));
+        }
+    }
+}
+
+void check_frequency(const std::string& name, const Eigen::Vector3d& frequency,
+                     const Eigen::Vector3d& amplitude, double imu_rate) {
+    for (Eigen::Index i = 0; i < 3; ++i) {
+        if (amplitude[i] > 0.0 && frequency[i] >= 0.5 * imu_rate) {
+            rules::refuse(element(name, i), frequency[i],
+                          "less than " + with_value("half of imu.rate", 0.5 * imu_rate));
+        }
+    }
+}
+
+void check_window(const std::string& begin_name, double begin, const std::string& end_name, double end) {
+    if (end < begin) {
+        rules::refuse(end_name, end, "at least " + with_value(begin_name, begin));
+    }
+}
+
+// The rules that a declaration of a single variable cannot state.
+void check_together(const Parameters& parameters) {
+    const auto& [seed, motion, imu, gnss] = parameters;
+
+    if (motion.kind == MotionKind::ship) {
+        check_period("motion.sway.period", motion.sway.period, motion.sway.amplitude, imu.rate);
+        check_period("motion.wave.period", motion.wave.period, motion.wave.velocity, imu.rate);
+    } else {
+        const Eigen::Vector3d amplitude = motion.vibration.angle.cwiseMax(motion.vibration.acceleration);
+        check_frequency("motion.vibration.frequency", motion.vibration.frequency, amplitude, imu.rate);
+    }
+
+    const double samples_per_fix = imu.rate / gnss.rate;
+    if (samples_per_fix < 1.0 - kWhole || std::abs(samples_per_fix - std::round(samples_per_fix)) > kWhole) {
+        rules::refuse("gnss.rate", gnss.rate,
+                      with_value("imu.rate", imu.rate) + " divided by a whole number");
+    }
+    const double longest = static_cast<double>(plant::FixQueue::kCapacity - 1) / gnss.rate;
+    if (gnss.latency > longest) {
+        rules::refuse("gnss.latency", gnss.latency,
+                      "at most " + with_value("31 periods of gnss.rate", longest));
+    }
+    for (Eigen::Index i = 0; i < gnss.outage.end.size(); ++i) {
+        check_window(element("gnss.outage.begin", i), gnss.outage.begin[i], element("gnss.outage.end", i),
+                     gnss.outage.end[i]);
+    }
+    const auto& [step, sine] = gnss.noise_scale;
+    check_window("gnss.noise_scale.step.begin", step.begin, "gnss.noise_scale.step.end", step.end);
+    check_window("gnss.noise_scale.sine.begin", sine.begin, "gnss.noise_scale.sine.end", sine.end);
+}
+
+plant::Ship ship(const Parameters::Motion& motion) {
+    const auto& sway = motion.sway;
+    const auto& wave = motion.wave;
+    plant::Ship ship{motion.course,
+                     motion.speed,
+                     {sway.amplitude, sway.period.cwiseInverse(), sway.phase},
+                     {wave.velocity, wave.period.cwiseInverse(), wave.phase},
+                     {}};
+    for (std::size_t i = 0; i < ship.turns.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        ship.turns[i] = {motion.turn.angle[row], motion.turn.begin[row], motion.turn.duration[row]};
+    }
+    return ship;
+}
+
+plant::ParkedVehicle parked_vehicle(const Parameters::Motion& motion) {
+    const auto& settle = motion.settle;
+    const auto& vibration = motion.vibration;
+    // acceleration a sin(w t) = derivative of the velocity (a / w) sin(w t - pi / 2)
+    const Eigen::Vector3d velocity =
+        vibration.acceleration.cwiseQuotient(2.0 * std::numbers::pi * vibration.frequency);
+    return {motion.course,
+            settle.angle[0],
+            settle.angle[1],
+            settle.time_constant,
+            {vibration.angle, vibration.frequency, Eigen::Vector3d::Zero()},
+            {velocity, vibration.frequency, Eigen::Vector3d::Constant(-0.5 * std::numbers::pi)}};
+}
+
+plant::Motion motion(const Parameters::Motion& motion) {
+    if (motion.kind == MotionKind::ship) {
+        return ship(motion);
+    }
+    return parked_vehicle(motion);
+}
+
+// Gyro and accelerometer have the same errors in different units.
+template <class Sensor>
+plant::InertialSensor::Errors errors(const Sensor& sensor) {
+    return {.bias = sensor.bias,
+            .bias_sigma = sensor.bias_sigma,
+            .white_noise = sensor.white_noise,
+            .markov_sigma = sensor.markov_sigma,
+            .markov_time = sensor.markov_time,
+            .wave_sigma = sensor.wave_sigma,
+            .wave_period = sensor.wave_period,
+            .wave_damping = sensor.wave_damping,
+            .scale_factor = sensor.scale_factor,
+            .misalignment = sensor.misalignment,
+            .quantisation = sensor.quantisation,
+            .bias_step = sensor.bias_step,
+            .bias_step_time = sensor.bias_step_time};
+}
+
+plant::GnssReceiver::Errors errors(const Parameters::Gnss& gnss) {
+    const auto& [step, sine] = gnss.noise_scale;
+    plant::GnssReceiver::Errors errors{
+        .position_sigma = gnss.position_sigma,
+        .velocity_sigma = gnss.velocity_sigma,
+        .position_outliers = {gnss.position_outlier.probability, gnss.position_outlier.size},
+        .velocity_outliers = {gnss.velocity_outlier.probability, gnss.velocity_outlier.size},
+        .noise_scale =
+            {step.factor, {step.begin, step.end}, sine.amplitude, sine.period, {sine.begin, sine.end}},
+        .outages = {}};
+    for (std::size_t i = 0; i < errors.outages.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        errors.outages[i] = {gnss.outage.begin[row], gnss.outage.end[row]};
+    }
+    return errors;
+}
+
+plant::NoiseStream stream(const Parameters& parameters, plant::NoiseSource source) {
+    return {static_cast<std::uint32_t>(parameters.seed), source};
+}
+
+}  // namespace
+
+TruthPlant::Models::Models(const Parameters& parameters)
+    : trajectory(motion(parameters.motion),
+                 {parameters.motion.latitude, parameters.motion.longitude, parameters.motion.height}),
+      gyro(errors(parameters.imu.gyro), 1.0 / parameters.imu.rate,
+           {stream(parameters, plant::NoiseSource::gyro_bias),
+            stream(parameters, plant::NoiseSource::gyro_white),
+            stream(parameters, plant::NoiseSource::gyro_markov),
+            stream(parameters, plant::NoiseSource::gyro_wave)}),
+      accelerometer(errors(parameters.imu.accelerometer), 1.0 / parameters.imu.rate,
+                    {stream(parameters, plant::NoiseSource::accelerometer_bias),
+                     stream(parameters, plant::NoiseSource::accelerometer_white),
+                     stream(parameters, plant::NoiseSource::accelerometer_markov),
+                     stream(parameters, plant::NoiseSource::accelerometer_wave)}),
+      receiver(errors(parameters.gnss), static_cast<std::uint32_t>(parameters.seed)),
+      samples_per_fix(static_cast<std::uint64_t>(std::llround(parameters.imu.rate / parameters.gnss.rate))),
+      samples_of_latency(
+          static_cast<std::uint64_t>(std::ceil(parameters.gnss.latency * parameters.imu.rate - kWhole))) {}
+
+void TruthPlant::initialise(double start_time) {
+    validate(parameters);
+    check_together(parameters);
+    const Models& models = models_.emplace(parameters);
+    state_ = {.start_time = start_time,
+              .samples = 0,
+              .trajectory = models.trajectory.begin(start_time),
+              .gyro = models.gyro.begin(),
+              .accelerometer = models.accelerometer.begin(),
+              .fixes = {}};
+    outputs = {};
+    outputs.imu.time = start_time;
+    put_out(antenna(models));
+    put_out_truth(models);
+}
+
+void TruthPlant::retune() {
+    validate(parameters);
+    models_.emplace(parameters);
+}
+
+void TruthPlant::step(double time, double step) {
+    if (!models_) {
+        throw std::logic_error("the plant cannot step before it is initialised");
+    }
+    const double rate = parameters.imu.rate;
+    const double periods = std::round(step * rate);
+    if (!(periods >= 1.0 && std::abs(step * rate - periods) <= kWhole)) {
+        throw std::invalid_argument("communication step of " + rules::text(step) +
+                                    " s: must be a whole number of IMU periods of " +
+                                    rules::text(1.0 / rate) + " s (imu.rate = " + rules::text(rate) + ")");
+    }
+    // A master may sum up its steps: rounding adds up, and still must not reach the next sample.
+    if (!(std::abs((time - state_.start_time) * rate - static_cast<double>(state_.samples)) <= 0.1)) {
+        throw std::invalid_argument("communication step from " + rules::text(time) + " s: the plant is at " +
+                                    rules::text(state_.trajectory.time) + " s");
+    }
+
+    outputs.imu.delta_angle.setZero();
+    outputs.imu.delta_velocity.setZero();
+    for (auto left = static_cast<std::uint64_t>(periods); left > 0; --left) {
+        sample(*models_);
+        receive(*models_);
+    }
+    ++outputs.imu.sample;
+    outputs.imu.time = state_.trajectory.time;
+    put_out_truth(*models_);
+}
+
+// One IMU period.
+void TruthPlant::sample(const Models& models) {
+    ++state_.samples;
+    const double time = state_.start_time + static_cast<double>(state_.samples) / parameters.imu.rate;
+    const auto [delta_angle, delta_velocity] = models.trajectory.advance(state_.trajectory, time);
+    outputs.imu.delta_angle += models.gyro.measure(state_.gyro, state_.samples, time, delta_angle);
+    outputs.imu.delta_velocity +=
+        models.accelerometer.measure(state_.accelerometer, state_.samples, time, delta_velocity);
+}
+
+// The fix that becomes valid at this IMU sample, and the fixes that appear at it.
+void TruthPlant::receive(const Models& models) {
+    if (state_.samples % models.samples_per_fix == 0) {
+        const plant::Fix truth = antenna(models);
+        if (!models.receiver.lost(truth.time)) {
+            state_.fixes.push(models.receiver.measure(state_.samples / models.samples_per_fix, truth),
+                              state_.samples + models.samples_of_latency);
+        } else if (log_.listens()) {
+            log_.event("fix at " + rules::text(truth.time) + " s lost: gnss.outage");
+        }
+    }
+    while (state_.fixes.due(state_.samples)) {
+        put_out(state_.fixes.pop());
+        ++outputs.gnss.sample;
+    }
+}
+
+plant::Fix TruthPlant::antenna(const Models& models) const {
+    const plant::Kinematics& kinematics = state_.trajectory.kinematics;
+    const earth::Position imu = models.trajectory.position(state_.trajectory);
+    return {state_.trajectory.time, displaced(imu, kinematics, parameters.gnss.lever_arm),
+            velocity_at(imu, kinematics, parameters.gnss.lever_arm)};
+}
+
+void TruthPlant::put_out(const plant::Fix& fix) {
+    outputs.gnss.time = fix.time;
+    outputs.gnss.latitude = fix.position.latitude;
+    outputs.gnss.longitude = fix.position.longitude;
+    outputs.gnss.height = fix.position.height;
+    outputs.gnss.velocity = fix.velocity;
+}
+
+void TruthPlant::put_out_truth(const Models& models) {
+    const plant::Trajectory::State& trajectory = state_.trajectory;
+    const EulerAngles attitude = euler_angles(trajectory.kinematics.C_bn);
+    const earth::Position position = models.trajectory.position(trajectory);
+    outputs.truth = {
+        .roll = attitude.roll,
+        .pitch = attitude.pitch,
+        .heading = attitude.heading,
+        .latitude = position.latitude,
+        .longitude = position.longitude,
+        .height = position.height,
+        .velocity = trajectory.kinematics.velocity,
+        .gyro_bias = models.gyro.slow_error(state_.gyro, trajectory.time),
+        .accelerometer_bias = models.accelerometer.slow_error(state_.accelerometer, trajectory.time)};
+}
+
+}  // namespace truenorth
