@@ -99,7 +99,7 @@ Matrix<LargeAzimuth::kStates> LargeAzimuth::jacobian(const State& x, const Inter
     F.block<3, 2>(kPhiEast, kVelocityEast) = transport;
     F.block<3, 3>(kPhiEast, kGyroX) = -interval.C_bn;
 
-    Matrix<2, 3> force;
+    Matrix<2, 3> force = Matrix<2, 3>::Zero();
     Matrix<2, 2> bias = interval.C_bn.topLeftCorner<2, 2>();
     switch (velocity_form) {
         case VelocityForm::transposed: {
@@ -109,7 +109,6 @@ Matrix<LargeAzimuth::kStates> LargeAzimuth::jacobian(const State& x, const Inter
             break;
         }
         case VelocityForm::computed_force:
-        case VelocityForm::printed:
             force << 0.0, -f.z(), -s * f.x() + c * f.y(),  //
                 f.z(), 0.0, -c * f.x() - s * f.y();
             break;
@@ -117,9 +116,10 @@ Matrix<LargeAzimuth::kStates> LargeAzimuth::jacobian(const State& x, const Inter
             force << 0.0, -f.z(), 0.0,  //
                 f.z(), 0.0, 0.0;
             break;
-    }
-    if (velocity_form == VelocityForm::printed) {
-        force(0, 1) = 0.0;
+        case VelocityForm::printed:
+            force << 0.0, 0.0, -s * f.x() + c * f.y(),  //
+                f.z(), 0.0, -c * f.x() - s * f.y();
+            break;
     }
     F.block<2, 3>(kVelocityEast, kPhiEast) = force;
     F.block<2, 2>(kVelocityEast, kAccelerometerX) = bias;
