@@ -21,7 +21,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from sim_scenarios.errors import BadInput
 
 Array = NDArray[np.float64]
 
@@ -71,7 +73,7 @@ class Trajectory:
 class Knowledge:
     """What is known before and besides the measurements: prior sigmas, noise densities, GNSS; SI units.
 
-    The defaults are those of the scenario of Zhou 2011.
+    The defaults are those of the scenario of Zhou 2011. The velocity of GNSS may have a sigma for each axis (east, north, up).
     """
 
     tilt_sigma: float = 1.0 * DEGREE
@@ -81,7 +83,7 @@ class Knowledge:
     accelerometer_bias_sigma: float = 1e-3 * STANDARD_GRAVITY
     angle_random_walk: float = 0.005 * DEGREE / HOUR**0.5
     velocity_random_walk: float = 50e-6 * STANDARD_GRAVITY
-    gnss_velocity_sigma: float = 0.1
+    gnss_velocity_sigma: float | tuple[float, float, float] = 0.1
     gnss_rate: float = 1.0
 
 
@@ -111,7 +113,7 @@ class Bound:
         """Root mean square of the heading sigma over start..stop [rad]."""
         inside = (self.time >= start) & (self.time <= stop)
         if not inside.any():
-            raise ValueError(f"the bound has no fix between {start:g} s and {stop:g} s")
+            raise BadInput(f"the bound has no fix between {start:g} s and {stop:g} s")
         return float(np.sqrt(np.mean(self.heading_sigma[inside] ** 2)))
 
 
@@ -130,10 +132,11 @@ def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
     Bound
         At the start and after each fix.
     """
-    if knowledge.gnss_rate <= 0 or knowledge.gnss_velocity_sigma <= 0:
-        raise ValueError("the bound needs GNSS: a rate and a velocity sigma greater than 0")
+    sigma = np.broadcast_to(knowledge.gnss_velocity_sigma, 3)
+    if knowledge.gnss_rate <= 0 or np.any(sigma <= 0):
+        raise BadInput("the bound needs GNSS: a rate and velocity sigmas greater than 0")
     transition, noise = _discretise(trajectory, knowledge)
-    R = knowledge.gnss_velocity_sigma**2 * np.eye(3)
+    R = np.diag(sigma**2)
     P = np.diag(_prior_variance(knowledge))
 
     fix_count = np.floor((trajectory.time - trajectory.time[0]) * knowledge.gnss_rate + 1e-6).astype(int)
@@ -168,14 +171,18 @@ def gravity(latitude: Array, height: Array) -> Array:
 
 def curvature(latitude: Array, height: Array) -> Array:
     """Matrix from velocity (ENU) [m/s] to transport rate w_en (ENU) [rad/s], shape (n, 3, 3)."""
-    root = np.sqrt(1 - ECCENTRICITY_2 * np.sin(latitude) ** 2)
-    prime_vertical = SEMI_MAJOR_AXIS / root + height
-    meridian = SEMI_MAJOR_AXIS * (1 - ECCENTRICITY_2) / root**3 + height
+    meridian, prime_vertical = radii(latitude)
     matrix = np.zeros((*latitude.shape, 3, 3))
-    matrix[..., 0, 1] = -1 / meridian
-    matrix[..., 1, 0] = 1 / prime_vertical
-    matrix[..., 2, 0] = np.tan(latitude) / prime_vertical
+    matrix[..., 0, 1] = -1 / (meridian + height)
+    matrix[..., 1, 0] = 1 / (prime_vertical + height)
+    matrix[..., 2, 0] = np.tan(latitude) / (prime_vertical + height)
     return matrix
+
+
+def radii(latitude: ArrayLike) -> tuple[Array, Array]:
+    """Radii of curvature of the ellipsoid [m]: meridian and prime vertical."""
+    root = np.sqrt(1 - ECCENTRICITY_2 * np.sin(latitude) ** 2)
+    return SEMI_MAJOR_AXIS * (1 - ECCENTRICITY_2) / root**3, SEMI_MAJOR_AXIS / root
 
 
 def skew(vector: Array) -> Array:

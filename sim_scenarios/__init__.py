@@ -1,0 +1,29 @@
+"""Scenarios that put the TrueNorth FMUs to the test.
+
+Whatever the command `truenorth` does is one function call here::
+
+    import sim_scenarios
+
+    run = sim_scenarios.run("swaying_ship", seed=7, set={"prior.heading_sigma": "20 deg"})
+    print(sim_scenarios.judge(run))
+    run["heading_error"].plot()
+"""
+
+from sim_scenarios.errors import BadInput, SimulationError
+from sim_scenarios.metrics import Verdict, judge
+from sim_scenarios.recording import load, save
+from sim_scenarios.replay import replay
+from sim_scenarios.simulation import bound, compare, run
+
+__all__ = [
+    "BadInput",
+    "SimulationError",
+    "Verdict",
+    "bound",
+    "compare",
+    "judge",
+    "load",
+    "replay",
+    "run",
+    "save",
+]

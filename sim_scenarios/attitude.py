@@ -1,0 +1,60 @@
+"""Attitude: Euler angles, direction cosine matrices and misalignment.
+
+`C_bn` maps body (right, forward, up) to navigation (east, north, up). Heading is clockwise from north, pitch about the
+right axis (bow up), roll about the forward axis (right side down).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+
+
+def dcm(roll: ArrayLike, pitch: ArrayLike, heading: ArrayLike) -> Array:
+    """C_bn of Euler angles [rad], each of shape (...) -> (..., 3, 3)."""
+    angles = np.stack(np.broadcast_arrays(-np.asarray(heading), pitch, roll), axis=-1)
+    matrix: Array = Rotation.from_euler("ZXY", angles).as_matrix()
+    return matrix
+
+
+def euler_angles(C_bn: Array) -> tuple[float, float, float]:
+    """Roll, pitch, heading [rad] of one C_bn, shape (3, 3); heading in [0, 2 pi)."""
+    minus_heading, pitch, roll = Rotation.from_matrix(C_bn).as_euler("ZXY")
+    return float(roll), float(pitch), float(-minus_heading % (2 * np.pi))
+
+
+def misalignment(phi: ArrayLike) -> Array:
+    """Matrix from the true to a misaligned navigation frame, C_n^{n'} = C_y C_x C_z (Zhao 2012, eqs. 1 and 2).
+
+    Parameters
+    ----------
+    phi : array_like, shape (3,)
+        Rotation about east, north, up [rad], applied up, east, north in turn. A positive rotation about up makes the
+        heading in n' larger than the true one.
+
+    Returns
+    -------
+    ndarray, shape (3, 3)
+    """
+    east, north, up = np.asarray(phi, dtype=float)
+    passive: Array = Rotation.from_euler("ZXY", [up, east, north]).inv().as_matrix()
+    return passive
+
+
+def wrap(angle: ArrayLike) -> Array:
+    """Angles wrapped to [-pi, pi) [rad]."""
+    wrapped: Array = (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi
+    return wrapped
+
+
+def misalignment_angles(C_n_computed: Array) -> Array:
+    """Rotations about east, north, up [rad] of C_n^{n'}, the inverse of `misalignment`; shape (..., 3, 3) -> (..., 3)."""
+    C = C_n_computed
+    east = np.arcsin(np.clip(C[..., 1, 2], -1, 1))
+    north = np.arctan2(-C[..., 0, 2], C[..., 2, 2])
+    up = np.arctan2(-C[..., 1, 0], C[..., 1, 1])
+    angles: Array = np.stack((east, north, up), axis=-1)
+    return angles

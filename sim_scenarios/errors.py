@@ -1,0 +1,9 @@
+"""What can go wrong, in the user's words."""
+
+
+class BadInput(ValueError):
+    """What the user gave cannot be used; the message is a sentence that names it, its value and the rule."""
+
+
+class SimulationError(RuntimeError):
+    """An FMU refused to go on; the message holds what it said."""

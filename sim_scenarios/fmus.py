@@ -1,0 +1,261 @@
+"""The FMUs: where they are, which variables they declare, and values in the units that people write.
+
+Units, their display units and their factors are those of the FMU's own modelDescription.xml (FMI 2.0.4, 2.2.2:
+display value = factor * value + offset).
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+
+import fmpy
+from fmpy.model_description import ModelDescription, ModelVariable
+
+from sim_scenarios.errors import BadInput
+
+PLANT: Final = "TruthPlant"
+ALIGNMENT_FILTER: Final = "AlignmentFilter"
+
+Number = float | int | bool
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit of the FMU and the display units of the same quantity: name -> (factor, offset)."""
+
+    name: str
+    display: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def to_si(self, given: object) -> float:
+        """Value in the FMU's unit of a number in that unit, or of a text such as "10 deg"."""
+        if isinstance(given, (int, float)) and not isinstance(given, bool):
+            return float(given)
+        number, unit = _split_quantity(given)
+        if unit in ("", self.name):
+            return number
+        if unit not in self.display:
+            raise BadInput(f"'{given}' is not in a unit of {self._alternatives()}")
+        factor, offset = self.display[unit]
+        return (number - offset) / factor
+
+    def _alternatives(self) -> str:
+        return f"this quantity: {', '.join([self.name, *self.display])}"
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar variable of an FMU."""
+
+    name: str
+    reference: int
+    kind: str  # Real | Integer | Boolean | Enumeration
+    causality: str
+    description: str
+    unit: Unit
+    display_unit: str
+    items: Mapping[str, int]  # of an enumeration
+    start: str | None
+
+    def parse(self, given: object) -> Number:
+        """Value for the FMU of what a user wrote: a number, a quantity with unit, true or false, the name of an item."""
+        if self.kind == "Real":
+            return self.unit.to_si(given)
+        if self.kind == "Boolean":
+            return self._parse_boolean(given)
+        if self.kind == "Enumeration":
+            return self._parse_item(given)
+        if isinstance(given, int) and not isinstance(given, bool):
+            return given
+        raise BadInput(f"'{given}' is not a whole number")
+
+    def _parse_boolean(self, given: object) -> bool:
+        if isinstance(given, bool):
+            return given
+        raise BadInput(f"'{given}' is neither true nor false")
+
+    def _parse_item(self, given: object) -> int:
+        if isinstance(given, int) and given in self.items.values():
+            return given
+        if given in self.items:
+            return self.items[str(given)]
+        raise BadInput(f"'{given}' is none of {', '.join(self.items)}{did_you_mean(str(given), self.items)}")
+
+    def display(self, value: Number) -> str:
+        """Value as a person reads it: in the display unit, or the item's name."""
+        if self.kind == "Boolean":
+            return str(bool(value)).lower()
+        if self.kind == "Enumeration":
+            return next((name for name, item in self.items.items() if item == value), str(value))
+        if self.kind == "Integer":
+            return str(value)
+        factor, offset = self.unit.display.get(self.display_unit, (1.0, 0.0))
+        unit = self.display_unit or self.unit.name
+        return f"{factor * value + offset:.6g}" + ("" if unit == "1" else f" {unit}")
+
+
+class Fmu:
+    """An FMU on disk: its variables, and its content unpacked for as long as this object lives.
+
+    Attributes
+    ----------
+    name : str
+        Model name, as in the FMU's modelDescription.xml.
+    path : Path
+        The .fmu file.
+    variables : dict of str to Variable
+        By scalar name (`imu.gyro.bias[1]`).
+    arrays : dict of str to list of str
+        Scalar names by the name without indices (`imu.gyro.bias`); a scalar is an array of one.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.model: ModelDescription = fmpy.read_model_description(str(path), validate=False)
+        self.name = str(self.model.modelName)
+        units = _units(self.model)
+        self.variables = {v.name: _variable(v, units) for v in self.model.modelVariables}
+        self.units = units
+        self.arrays: dict[str, list[str]] = {}
+        for name in self.variables:
+            self.arrays.setdefault(name.partition("[")[0], []).append(name)
+        self._unpacked: TemporaryDirectory[str] | None = None
+
+    @property
+    def folder(self) -> Path:
+        """Folder with the unpacked FMU."""
+        if self._unpacked is None:
+            self._unpacked = TemporaryDirectory(prefix=f"{self.name}-")
+            fmpy.extract(str(self.path), unzipdir=self._unpacked.name)
+        return Path(self._unpacked.name)
+
+    @property
+    def guid(self) -> str:
+        """Hash of the FMU's description and sources."""
+        return str(self.model.guid)
+
+    def outputs(self) -> list[str]:
+        """Names of the scalar outputs, in order."""
+        return [name for name, v in self.variables.items() if v.causality == "output"]
+
+    def inputs(self) -> list[str]:
+        """Names of the scalar inputs, in order."""
+        return [name for name, v in self.variables.items() if v.causality == "input"]
+
+    def start(self, name: str) -> Number:
+        """Start value of a scalar variable."""
+        variable = self.variables[name]
+        if variable.start is None:
+            raise KeyError(f"{name} of {self.name} has no start value")
+        if variable.kind == "Boolean":
+            return variable.start in ("true", "1")
+        return float(variable.start) if variable.kind == "Real" else int(variable.start)
+
+    def has_parameter(self, name: str) -> bool:
+        """Whether a name is that of a parameter: a scalar, an element (`a[1]`) or an array as a whole."""
+        scalar = name if name in self.variables else self.arrays.get(name, [""])[0]
+        return scalar in self.variables and self.variables[scalar].causality == "parameter"
+
+    def assignments(self, name: str, given: object) -> dict[str, Number]:
+        """Scalar values that a user's value for a parameter stands for.
+
+        A list sets the elements of an array, one value sets them all.
+        """
+        if not self.has_parameter(name):
+            raise BadInput(self._not_a_parameter(name))
+        if name in self.variables:
+            return {name: self.variables[name].parse(given)}
+        scalars = self.arrays[name]
+        values = list(_flatten(given)) if isinstance(given, list) else [given] * len(scalars)
+        if len(values) != len(scalars):
+            raise BadInput(f"{name} has {len(scalars)} elements, {len(values)} are given")
+        return {s: self.variables[s].parse(value) for s, value in zip(scalars, values, strict=True)}
+
+    def _not_a_parameter(self, name: str) -> str:
+        scalar = name if name in self.variables else self.arrays.get(name, [""])[0]
+        if scalar in self.variables:
+            return f"{name} is an {self.variables[scalar].causality} of {self.name}, not a parameter"
+        if name.partition("[")[0] in self.arrays:
+            size = len(self.arrays[name.partition("[")[0]])
+            return f"{self.name} has no element {name}; the indices run from 1 to {size}"
+        return f"{self.name} has no parameter '{name}'{did_you_mean(name, self.parameter_names())}"
+
+    def parameter_names(self) -> list[str]:
+        """Names of the parameters, arrays without indices."""
+        return [name for name in self.arrays if self.has_parameter(name)]
+
+
+def load(name: str) -> Fmu:
+    """FMU of a name, from the first folder that has it."""
+    return Fmu(find(name))
+
+
+def find(name: str) -> Path:
+    """Path of an FMU: $TRUENORTH_FMUS, the package's own folder, then build/fmus of the checkout."""
+    candidates = [folder / f"{name}.fmu" for folder in search_path()]
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    places = ", ".join(str(candidate.parent) for candidate in candidates)
+    raise BadInput(
+        f"{name}.fmu is not in {places}; run `make fmus` to build it, or set TRUENORTH_FMUS to the folder that has it"
+    )
+
+
+def search_path() -> list[Path]:
+    """Folders in which FMUs are looked for, in this order."""
+    package = Path(__file__).resolve().parent
+    named = os.environ.get("TRUENORTH_FMUS")
+    return [*([Path(named)] if named else []), package / "fmus", package.parent / "build" / "fmus"]
+
+
+def did_you_mean(name: str, known: Mapping[str, object] | list[str]) -> str:
+    """Hint at the known name that is closest to a wrong one; empty when none is close."""
+    close = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return f"; did you mean '{close[0]}'?" if close else ""
+
+
+def _split_quantity(given: object) -> tuple[float, str]:
+    match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", str(given))
+    if not isinstance(given, str) or match is None:
+        raise BadInput(f"'{given}' is neither a number nor a number with a unit")
+    return float(match[1]), match[2]
+
+
+def _flatten(values: list[Any]) -> Iterator[Any]:
+    for value in values:
+        if isinstance(value, list):
+            yield from _flatten(value)
+        else:
+            yield value
+
+
+def _units(model: ModelDescription) -> dict[str, Unit]:
+    return {
+        str(unit.name): Unit(
+            str(unit.name), {str(d.name): (float(d.factor), float(d.offset)) for d in unit.displayUnits}
+        )
+        for unit in model.unitDefinitions
+    }
+
+
+def _variable(variable: ModelVariable, units: Mapping[str, Unit]) -> Variable:
+    declared = variable.declaredType
+    unit = variable.unit or (declared.unit if declared else None) or "1"
+    return Variable(
+        name=str(variable.name),
+        reference=int(variable.valueReference),
+        kind=str(variable.type),
+        causality=str(variable.causality),
+        description=variable.description or "",
+        unit=units.get(unit, Unit(unit)),
+        display_unit=variable.displayUnit or (declared.displayUnit if declared else None) or "",
+        items={str(item.name): int(str(item.value)) for item in declared.items} if declared else {},
+        start=variable.start,
+    )

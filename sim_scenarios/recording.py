@@ -1,0 +1,139 @@
+"""What a run leaves behind: one labelled data set with units, and a file of it.
+
+An xarray Dataset with the FMUs' own variable names, in the FMUs' units (SI and radians).
+
+    dimension `filter`   the filters that saw the same signals, by label
+    dimension `time`     periodic rows: truth, navigation, estimates and their sigmas, errors
+    dimension `fix`      one row for each fix: innovation, NIS, weights; coordinate `fix_time`
+    dimensions `axis2`, `axis3`   components of vectors
+
+Files are netCDF 3 (CF attributes), which scipy writes and everything reads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from sim_scenarios import attitude
+from sim_scenarios.cosimulation import Recorded
+from sim_scenarios.fmus import Fmu
+
+FIX_OUTPUTS: Final = (
+    "innovation",
+    "innovation_sigma",
+    "nis",
+    "measurement_weight",
+    "robust.gamma_effective",
+    "robust.feasible",
+    "used_fixes",
+    "rejected_fixes",
+)
+"""Outputs of a filter that change with a fix alone."""
+
+
+def fix_outputs(fmu: Fmu) -> list[str]:
+    """Scalar outputs of a filter that belong to fixes."""
+    return [scalar for name in FIX_OUTPUTS for scalar in fmu.arrays.get(name, [])]
+
+
+def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu | None = None) -> xr.Dataset:
+    """Data set of a simulation.
+
+    Parameters
+    ----------
+    recorded : Recorded
+    labels : list of str
+        One for each filter.
+    filter_fmu, plant : Fmu
+        They declare units and descriptions.
+
+    Returns
+    -------
+    xarray.Dataset
+        With `heading_error` and `attitude_error` (filter, time) where the truth is known, and `fix_used` (filter, fix).
+    """
+    parts = [
+        xr.Dataset(
+            {
+                **_arrays(table.columns(), filter_fmu, "time"),
+                **_arrays(fixes.columns(), filter_fmu, "fix"),
+            }
+        )
+        for table, fixes in zip(recorded.filters, recorded.fixes, strict=True)
+    ]
+    result = xr.concat(parts, dim=xr.DataArray(labels, dims="filter", name="filter"), combine_attrs="override")
+    result = result.assign_coords(
+        time=("time", recorded.time, {"units": "s", "description": "Time since the start"}),
+        fix_time=("fix", recorded.fix_time, {"units": "s", "description": "Time of validity of the fix"}),
+    )
+    count = result["used_fixes"].values
+    result["fix_used"] = (
+        ("filter", "fix"),
+        np.diff(count, prepend=np.zeros((len(labels), 1), count.dtype), axis=1) > 0,
+        {"description": "Whether the fix corrected the estimate"},
+    )
+    if recorded.truth is not None and plant is not None:
+        result = result.assign(_arrays(recorded.truth.columns(), plant, "time"))
+        result = result.assign(_errors(result))
+    return result
+
+
+def _errors(data: xr.Dataset) -> dict[str, tuple[tuple[str, ...], NDArray[np.float64], dict[str, str]]]:
+    """Errors of attitude and heading against the truth."""
+    estimated, true = (
+        attitude.dcm(*(data[f"{frame}.{angle}"].values for angle in ("roll", "pitch", "heading")))
+        for frame in ("nav", "truth")
+    )
+    phi = attitude.misalignment_angles(estimated @ np.swapaxes(true, -1, -2))
+    heading = attitude.wrap(data["nav.heading"].values - data["truth.heading"].values)
+    return {
+        "attitude_error": (
+            ("filter", "time", "axis3"),
+            phi,
+            {"units": "rad", "description": "Misalignment of the estimated attitude (phi_e, phi_n, phi_u)"},
+        ),
+        "heading_error": (("filter", "time"), heading, {"units": "rad", "description": "Estimated minus true heading"}),
+    }
+
+
+def save(data: xr.Dataset, path: Path) -> None:
+    """Write a data set to a netCDF file."""
+    data.to_netcdf(path, engine="scipy")
+
+
+def load(path: Path) -> xr.Dataset:
+    """Data set of a file, wholly in memory."""
+    with xr.open_dataset(path, engine="scipy") as data:
+        return data.load()
+
+
+def _arrays(columns: Mapping[str, NDArray[Any]], fmu: Fmu, dimension: str) -> dict[str, xr.DataArray]:
+    """Arrays of an FMU's variables from their scalars."""
+    arrays: dict[str, list[str]] = {}
+    for scalar in columns:
+        arrays.setdefault(scalar.partition("[")[0], []).append(scalar)
+    return {name: _array(columns, fmu, dimension, scalars) for name, scalars in arrays.items()}
+
+
+def _array(columns: Mapping[str, NDArray[Any]], fmu: Fmu, dimension: str, scalars: list[str]) -> xr.DataArray:
+    variable = fmu.variables[scalars[0]]
+    attributes: dict[str, Any] = {"description": variable.description}
+    if variable.kind == "Real":
+        attributes["units"] = variable.unit.name
+    if variable.kind == "Enumeration":
+        attributes["flag_values"] = np.array(list(variable.items.values()), dtype=np.int32)
+        attributes["flag_meanings"] = " ".join(variable.items)
+    if "[" not in scalars[0]:
+        values, dimensions = columns[scalars[0]], (dimension,)
+    else:
+        values = np.stack([columns[s] for s in scalars], axis=-1)
+        dimensions = (dimension, f"axis{len(scalars)}")
+    if variable.kind == "Boolean":
+        values = values.astype(bool)
+    return xr.DataArray(values, dims=dimensions, attrs=attributes)

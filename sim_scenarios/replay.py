@@ -1,0 +1,249 @@
+"""A recorded IMU through the alignment filter.
+
+The recording is a CSV file (or .csv.gz) with a header. Columns, in any order:
+
+    time                              end of the interval that the increments cover [s]
+    delta_angle_x, _y, _z             integral of the body rate (right, forward, up) [rad]
+    delta_velocity_x, _y, _z          integral of the specific force (right, forward, up) [m/s]
+
+and, unless fixes of zero velocity are made up, GNSS, with empty cells in the rows that have no fix:
+
+    gnss_velocity_east, _north, _up   velocity of the antenna [m/s]; a row with gnss_velocity_east has a fix
+    gnss_latitude, gnss_longitude     [deg]
+    gnss_height                       above the ellipsoid [m]
+    gnss_time                         time of validity of the fix [s]; optional, else the row's time
+
+The initial roll and pitch come from levelling: at rest the mean specific force of the first seconds points up,
+
+    pitch = atan2(f_y, sqrt(f_x^2 + f_z^2)),   roll = atan2(-f_x, f_z).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from sim_scenarios import recording
+from sim_scenarios.bounds import DEGREE
+from sim_scenarios.cosimulation import Instance, Progress, RecordedSource, Sink, connected, simulate
+from sim_scenarios.errors import BadInput
+from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Number, did_you_mean, load
+
+Array = NDArray[np.float64]
+
+IMU_COLUMNS = [f"delta_{kind}_{axis}" for kind in ("angle", "velocity") for axis in "xyz"]
+GNSS_VELOCITY = [f"gnss_velocity_{axis}" for axis in ("east", "north", "up")]
+GNSS_POSITION = ["gnss_latitude", "gnss_longitude", "gnss_height"]
+RECORDING_PERIOD = 0.1  # s
+
+
+@dataclass(frozen=True)
+class ZeroVelocity:
+    """Fixes that say "it stands here": position (latitude [deg], longitude [deg], height [m]), sigma [m/s], rate [Hz]."""
+
+    position: tuple[float, float, float]
+    sigma: float = 0.02
+    rate: float = 1.0
+
+
+@dataclass(frozen=True)
+class Start:
+    """What is known at the start: heading and its sigma [rad], seconds of standstill used for levelling."""
+
+    heading: float
+    heading_sigma: float = 10.0 * DEGREE
+    levelling: float = 1.0
+
+
+def replay(
+    path: str | Path,
+    start: Start,
+    *,
+    zero_velocity: ZeroVelocity | None = None,
+    set: Mapping[str, object] | None = None,  # noqa: A002  (the word of the command line)
+    progress: Progress = lambda _: None,
+    fmu: Fmu | None = None,
+) -> xr.Dataset:
+    """Align on a recording.
+
+    Parameters
+    ----------
+    path : str or Path
+        CSV file, possibly compressed with gzip.
+    start : Start
+        Heading to start from.
+    zero_velocity : ZeroVelocity, optional
+        Fixes of zero velocity in the place of recorded GNSS.
+    set : mapping, optional
+        Parameters of the AlignmentFilter by name, in SI units or with a unit.
+    progress : callable
+        Called with the completed share.
+    fmu : Fmu, optional
+        The AlignmentFilter, to load it once for many recordings.
+
+    Returns
+    -------
+    xarray.Dataset
+        As that of `sim_scenarios.run`, without truth.
+    """
+    fmu = fmu or load(ALIGNMENT_FILTER)
+    table = read_recording(Path(path))
+    imu = signals_of_imu(table)
+    gnss = _zero_velocity_fixes(table["time"].to_numpy(), zero_velocity) if zero_velocity else _recorded_fixes(table, path)
+    values = parameters(table, start, gnss, zero_velocity, set or {}, fmu)
+    columns = {**imu, **gnss}
+    source = RecordedSource([fmu.variables[name] for name in connected(columns, fmu)], columns)
+    times = columns["imu.time"]
+    record_every = max(1, round(RECORDING_PERIOD / float(np.median(np.diff(times)))))
+    with closing(Instance(fmu, "filter", values)) as instance:
+        instance.begin_initialisation(float(times[0]), float(times[-1]))
+        sink = Sink(instance, source)
+        sink.receive()
+        instance.finish_initialisation()
+        recorded = simulate(
+            source,
+            [sink],
+            times,
+            record_every=record_every,
+            fix_outputs=recording.fix_outputs(fmu),
+            progress=progress,
+        )
+    data = recording.dataset(recorded, ["filter"], fmu).isel(filter=0)
+    data.attrs = {
+        "recording": str(path),
+        "description": f"{Path(path).name}, started at a heading of {start.heading / DEGREE:.6g} deg",
+        "settings": json.dumps({"filter": {n: fmu.variables[n].display(v) for n, v in values.items()}}),
+        "versions": json.dumps({fmu.name: fmu.guid}),
+        "messages": json.dumps([str(message) for message in instance.messages]),
+    }
+    return data
+
+
+def read_recording(path: Path) -> pd.DataFrame:
+    """Recording of a file, checked."""
+    try:
+        table = pd.read_csv(path)
+    except FileNotFoundError:
+        raise BadInput(f"there is no recording {path}") from None
+    except (OSError, ValueError) as error:
+        raise BadInput(f"{path}: cannot be read as a CSV file: {error}") from None
+    for column in ("time", *IMU_COLUMNS):
+        if column not in table:
+            raise BadInput(f"{path}: there is no column {column}{did_you_mean(column, list(table.columns))}")
+        if not np.issubdtype(table[column].dtype, np.number):
+            raise BadInput(f"{path}: column {column} holds something that is not a number")
+    if len(table) < 2:
+        raise BadInput(f"{path}: has {len(table)} samples; an alignment needs many")
+    backwards = np.flatnonzero(np.diff(table["time"]) <= 0)
+    if len(backwards):
+        raise BadInput(f"{path}: line {backwards[0] + 3}: time must increase, {table['time'][backwards[0] + 1]:g} s does not")
+    return table
+
+
+def level(force: Array) -> tuple[float, float]:
+    """Roll and pitch [rad] at which a specific force in body axes points up; shape (3,)."""
+    x, y, z = force
+    return float(np.arctan2(-x, z)), float(np.arctan2(y, np.hypot(x, z)))
+
+
+def signals_of_imu(table: pd.DataFrame) -> dict[str, NDArray[np.float64]]:
+    """IMU signals at the start and after each sample. A gap in time is a jump of the sample counter."""
+    time = table["time"].to_numpy(dtype=float)
+    period = float(np.median(np.diff(time)))
+    index = np.arange(len(time))
+    sample = np.maximum.accumulate(np.rint((time - time[0]) / period) - index) + index + 1
+    signals = {"imu.sample": sample, "imu.time": time}
+    for kind in ("angle", "velocity"):
+        for i, axis in enumerate("xyz"):
+            signals[f"imu.delta_{kind}[{i + 1}]"] = table[f"delta_{kind}_{axis}"].to_numpy(dtype=float)
+    return {name: np.concatenate(([_before(name, values, period)], values)) for name, values in signals.items()}
+
+
+def parameters(
+    table: pd.DataFrame,
+    start: Start,
+    gnss: Mapping[str, Array],
+    zero_velocity: ZeroVelocity | None,
+    settings: Mapping[str, object],
+    fmu: Fmu,
+) -> dict[str, Number]:
+    """Parameters of the filter: initial state from the recording, then the user's settings."""
+    time = table["time"].to_numpy()
+    period = float(np.median(np.diff(time)))
+    first = time < time[0] - period + start.levelling + period / 2
+    if start.levelling <= 0 or not first.any():
+        raise BadInput(f"levelling = {start.levelling:g} s: must cover at least one sample ({period:g} s)")
+    roll, pitch = level(table.loc[first, IMU_COLUMNS[3:]].mean().to_numpy())
+    values: dict[str, Number] = {
+        "initial.roll": roll,
+        "initial.pitch": pitch,
+        "initial.heading": start.heading,
+        **{f"initial.{name}": float(gnss[f"gnss.{name}"][0]) for name in ("latitude", "longitude", "height")},
+        **{f"initial.velocity[{i}]": float(gnss[f"gnss.velocity[{i}]"][0]) for i in (1, 2, 3)},
+        "prior.heading_sigma": start.heading_sigma,
+    }
+    if zero_velocity:
+        values["measurement.velocity_sigma"] = zero_velocity.sigma
+    for name, value in settings.items():
+        try:
+            values |= fmu.assignments(name.removeprefix("filter.") if not fmu.has_parameter(name) else name, value)
+        except BadInput as error:
+            raise BadInput(f"the setting {name} = {value}: {error}") from None
+    return values
+
+
+def _before(name: str, values: Array, period: float) -> float:
+    """Signal of the IMU at the start, one period before the first sample."""
+    return {"imu.sample": values[0] - 1, "imu.time": values[0] - period}.get(name, 0.0)
+
+
+def _zero_velocity_fixes(time: Array, aiding: ZeroVelocity) -> dict[str, Array]:
+    if aiding.rate <= 0 or aiding.sigma <= 0:
+        raise BadInput("zero-velocity fixes need a rate and a sigma greater than 0")
+    period = float(np.median(np.diff(time)))
+    clock = np.concatenate(([time[0] - period], time))
+    sample = np.floor((clock - clock[0]) * aiding.rate + 1e-6)
+    at_fix = np.concatenate(([False], np.diff(sample) > 0))
+    latitude, longitude, height = aiding.position
+    place = {"latitude": latitude * DEGREE, "longitude": longitude * DEGREE, "height": height}
+    return {
+        "gnss.sample": sample,
+        "gnss.time": _held(np.where(at_fix, clock, np.nan), clock[0]),
+        **{f"gnss.{name}": np.full_like(clock, value) for name, value in place.items()},
+        **{f"gnss.velocity[{i}]": np.zeros_like(clock) for i in (1, 2, 3)},
+    }
+
+
+def _recorded_fixes(table: pd.DataFrame, path: str | Path) -> dict[str, Array]:
+    missing = [column for column in (*GNSS_VELOCITY, *GNSS_POSITION) if column not in table]
+    if missing:
+        raise BadInput(f"{path}: there is no column {missing[0]}; record GNSS, or use zero-velocity fixes at a position")
+    fix = table["gnss_velocity_east"].notna().to_numpy()
+    if not fix.any():
+        raise BadInput(f"{path}: no row has a fix (gnss_velocity_east is empty everywhere)")
+    incomplete = fix & table[[*GNSS_VELOCITY, *GNSS_POSITION]].isna().any(axis=1).to_numpy()
+    if incomplete.any():
+        raise BadInput(f"{path}: line {int(np.flatnonzero(incomplete)[0]) + 2}: the fix is incomplete")
+    columns = {f"gnss.velocity[{i + 1}]": table[name] for i, name in enumerate(GNSS_VELOCITY)}
+    columns |= {"gnss.latitude": table["gnss_latitude"] * DEGREE, "gnss.longitude": table["gnss_longitude"] * DEGREE}
+    columns |= {"gnss.height": table["gnss_height"], "gnss.time": table.get("gnss_time", table["time"])}
+    first = int(np.flatnonzero(fix)[0])
+    signals = {
+        name: _held(np.concatenate(([np.nan], np.where(fix, column, np.nan))), column.iloc[first])
+        for name, column in columns.items()
+    }
+    return {"gnss.sample": np.concatenate(([0.0], np.cumsum(fix))), **signals}
+
+
+def _held(values: Array, first: float) -> Array:
+    """Values held from one fix to the next; `first` until there is one."""
+    known = np.maximum.accumulate(np.where(np.isnan(values), -1, np.arange(len(values))))
+    return np.where(known < 0, first, values[known])

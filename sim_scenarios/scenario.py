@@ -1,0 +1,327 @@
+"""Scenario files: what moves, what measures, what filters, how long, and what counts as converged.
+
+A scenario is a TOML file. Parameters of the FMUs stand in its tables `plant` and `filter` under the FMU's own names;
+`compare` names variants of the filter. A quantity is a number in SI units or a text with one of the display units that
+the FMU declares for it ("10 deg", "0.05 deg/h", "1 mg"). Nothing unknown is accepted. A file that `extends` a shipped
+scenario states only what differs; its table `compare` replaces the whole comparison.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
+
+from sim_scenarios.bounds import DEGREE, HOUR, STANDARD_GRAVITY
+from sim_scenarios.errors import BadInput
+from sim_scenarios.fmus import ALIGNMENT_FILTER, PLANT, Fmu, Number, Unit, did_you_mean, load
+
+try:
+    import tomllib
+except ModuleNotFoundError:  # Python 3.10
+    import tomli as tomllib
+
+SHIPPED: Final = Path(__file__).parent / "scenarios"
+
+EKF_UKF_ROBUST: Final[dict[str, dict[str, Any]]] = {
+    "EKF": {"predictor": "linearised", "corrector": "standard"},
+    "UKF": {"predictor": "unscented", "corrector": "standard"},
+    "robust UKF": {"predictor": "unscented", "corrector": "h_infinity"},
+}
+"""The comparison of Zhou 2011, for scenarios that name no other."""
+
+
+@dataclass(frozen=True)
+class Fmus:
+    """The FMUs that a scenario connects."""
+
+    plant: Fmu
+    filter: Fmu
+
+    @classmethod
+    def load(cls) -> Fmus:
+        """The FMUs from where they are installed."""
+        return cls(load(PLANT), load(ALIGNMENT_FILTER))
+
+    def unit(self, name: str) -> Unit:
+        """A unit, as the FMUs declare it."""
+        return self.filter.units.get(name) or self.plant.units.get(name) or Unit(name)
+
+
+def _quantity(unit: str) -> BeforeValidator:
+    def to_si(given: object, info: ValidationInfo) -> float:
+        return _fmus(info).unit(unit).to_si(given)
+
+    return BeforeValidator(to_si)
+
+
+def _parameters_of(which: str) -> BeforeValidator:
+    def resolve(given: object, info: ValidationInfo) -> dict[str, Number]:
+        fmu: Fmu = getattr(_fmus(info), which)
+        values: dict[str, Number] = {}
+        for name, value in _dotted(given):
+            try:
+                values |= fmu.assignments(name, value)
+            except BadInput as error:
+                raise BadInput(str(error) if name in str(error) else f"{name}: {error}") from None
+        return values
+
+    return BeforeValidator(resolve)
+
+
+def _fmus(info: ValidationInfo) -> Fmus:
+    fmus: Fmus = (info.context or {})["fmus"]
+    return fmus
+
+
+def _dotted(table: object, prefix: str = "") -> Iterator[tuple[str, object]]:
+    """Entries of nested tables under their dotted names."""
+    if not isinstance(table, Mapping):
+        raise BadInput(f"'{table}' is not a table")
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _dotted(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+Angle = Annotated[float, _quantity("rad")]
+AngularRate = Annotated[float, _quantity("rad/s")]
+Acceleration = Annotated[float, _quantity("m/s2")]
+Velocity = Annotated[float, _quantity("m/s")]
+Length = Annotated[float, _quantity("m")]
+Time = Annotated[float, _quantity("s")]
+PlantParameters = Annotated[dict[str, Number], _parameters_of("plant")]
+FilterParameters = Annotated[dict[str, Number], _parameters_of("filter")]
+
+
+class Table(BaseModel):
+    """A table of a scenario file: no entry but those declared."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class InitialError(Table):
+    """Error of what a coarse alignment hands over (east, north, up); the sigmas add a part drawn from the seed."""
+
+    misalignment: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
+    misalignment_sigma: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
+    velocity: tuple[Velocity, Velocity, Velocity] = (0.0, 0.0, 0.0)
+    velocity_sigma: tuple[Velocity, Velocity, Velocity] = (0.0, 0.0, 0.0)
+    position: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
+
+
+class Evaluation(Table):
+    """What is judged: the RMSE of the heading over a window, against a limit."""
+
+    start: Time = 300.0
+    stop: Time = 600.0
+    heading_limit: Angle = 0.5 * DEGREE
+
+
+class Prior(Table):
+    """Prior knowledge that the Cramer-Rao bound assumes (science of the scenario, not belief of a filter)."""
+
+    tilt_sigma: Angle = 1.0 * DEGREE
+    heading_sigma: Angle = 10.0 * DEGREE
+    velocity_sigma: Velocity = 0.15
+    gyro_bias_sigma: AngularRate = 0.05 * DEGREE / HOUR
+    accelerometer_bias_sigma: Acceleration = 1e-3 * STANDARD_GRAVITY
+
+
+class Scenario(Table):
+    """A scenario, checked against the FMUs; FMU parameters by scalar name in the FMU's units."""
+
+    name: str
+    description: str
+    notes: str = ""
+    duration: Time = 600.0
+    communication_step: Time = 0.01
+    recording_period: Time = 0.1
+    initial_error: InitialError = InitialError()
+    evaluation: Evaluation = Evaluation()
+    bound: Prior = Prior()
+    plant: PlantParameters = {}
+    filter: FilterParameters = {}
+    compare: dict[str, FilterParameters] = Field(default={})
+
+    @model_validator(mode="after")
+    def _times_fit(self) -> Scenario:
+        if self.communication_step <= 0:
+            raise BadInput(f"communication_step = {self.communication_step:g} s: must be greater than 0")
+        if self.duration < self.communication_step:
+            raise BadInput(f"duration = {self.duration:g} s: must be at least one communication_step")
+        if not 0 <= self.evaluation.start < self.evaluation.stop:
+            raise BadInput("evaluation.start must be at least 0 and before evaluation.stop")
+        if self.evaluation.start >= self.duration:
+            raise BadInput(
+                f"evaluation.start = {self.evaluation.start:g} s: must be before the end of the run ({self.duration:g} s)"
+            )
+        return self
+
+    def filters(self) -> dict[str, dict[str, Number]]:
+        """Parameters of each filter to compare, by label."""
+        return {label: {**self.filter, **variant} for label, variant in self.compare.items()}
+
+
+def shipped() -> dict[str, str]:
+    """Name and description of every scenario that comes with the package."""
+    return {path.stem: str(_read(path).get("description", "")) for path in sorted(SHIPPED.glob("*.toml"))}
+
+
+def load_scenario(
+    name: str | Path,
+    fmus: Fmus,
+    *,
+    seed: int | None = None,
+    settings: Mapping[str, object] | None = None,
+) -> Scenario:
+    """Scenario of a shipped name or a path, with settings that override the file.
+
+    Parameters
+    ----------
+    name : str or Path
+        Name of a shipped scenario, or path of a TOML file.
+    fmus : Fmus
+        The FMUs whose parameters and units the file uses.
+    seed : int, optional
+        Seed of the plant.
+    settings : mapping, optional
+        Values by name: an FMU parameter (`imu.gyro.bias`), prefixed with `plant.` or `filter.` where both FMUs have
+        it, or an entry of the scenario (`duration`, `initial_error.misalignment`).
+
+    Returns
+    -------
+    Scenario
+    """
+    path = scenario_path(name)
+    table = {"name": path.stem, "compare": EKF_UKF_ROBUST, **_read(path)}
+    _check(table, fmus, path)
+    overridden = _overridden(table, fmus, {**(settings or {}), **({} if seed is None else {"plant.seed": seed})})
+    return _check(overridden, fmus, "the settings")
+
+
+def scenario_path(name: str | Path) -> Path:
+    """Path of a scenario given by name or path."""
+    if isinstance(name, Path) or name.endswith(".toml") or "/" in name:
+        if Path(name).is_file():
+            return Path(name)
+        raise BadInput(f"there is no scenario file {name}")
+    path = SHIPPED / f"{name}.toml"
+    if path.is_file():
+        return path
+    names = [p.stem for p in sorted(SHIPPED.glob("*.toml"))]
+    hint = did_you_mean(name, names) or f"; there are {', '.join(names)}, or give the path of a .toml file"
+    raise BadInput(f"there is no scenario '{name}'{hint}")
+
+
+def _read(path: Path, above: tuple[Path, ...] = ()) -> dict[str, Any]:
+    """Content of a scenario file upon that of the scenario it extends; `above` are the files that extend this one."""
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise BadInput(f"{path}: not valid TOML: {error}") from None
+    if "extends" not in table:
+        return table
+    try:
+        below = scenario_path(str(table.pop("extends")))
+    except BadInput as error:
+        raise BadInput(f"{path}: extends: {error}") from None
+    if below in (*above, path):
+        raise BadInput(f"{path}: extends: {below} extends this file in turn")
+    base = _read(below, (*above, path))
+    if "compare" in table:
+        base.pop("compare", None)
+    return _merged(base, table)
+
+
+def _merged(base: dict[str, Any], upper: dict[str, Any]) -> dict[str, Any]:
+    """Nested tables, entries of the upper one in front."""
+    merged = dict(base)
+    for key, value in upper.items():
+        below = merged.get(key)
+        nested = isinstance(below, dict) and isinstance(value, dict)
+        merged[key] = _merged(below, value) if nested else value
+    return merged
+
+
+def _check(table: Mapping[str, Any], fmus: Fmus, where: Path | str) -> Scenario:
+    try:
+        return Scenario.model_validate(table, context={"fmus": fmus})
+    except ValidationError as error:
+        raise BadInput("\n".join(_sentence(where, e) for e in error.errors())) from None
+
+
+def _sentence(where: Path | str, error: Any) -> str:
+    key = ".".join(str(part) for part in error["loc"])
+    cause = error.get("ctx", {}).get("error")
+    if error["type"] == "extra_forbidden":
+        reason = f"there is no such entry{did_you_mean(str(error['loc'][-1]), _entries(error['loc'][:-1]))}"
+    else:
+        reason = str(cause) if cause else f"{error['msg'][0].lower()}{error['msg'][1:]}"
+    return ": ".join(part for part in (str(where), key, reason) if part)
+
+
+def _entries(location: tuple[str | int, ...]) -> list[str]:
+    """Names of the entries that the table at a location may have."""
+    model: type[BaseModel] = Scenario
+    for key in location:
+        annotation = model.model_fields[str(key)].annotation
+        if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
+            return []
+        model = annotation
+    return list(model.model_fields)
+
+
+def _overridden(table: Mapping[str, Any], fmus: Fmus, settings: Mapping[str, object]) -> dict[str, Any]:
+    """Scenario table with settings put where they belong; a filter's parameter goes to every variant."""
+    own = {key: value for key, value in table.items() if key not in ("plant", "filter", "compare")}
+    plant, filter_ = dict(_dotted(table.get("plant", {}))), dict(_dotted(table.get("filter", {})))
+    compare = {label: dict(_dotted(variant)) for label, variant in table["compare"].items()}
+    for name, value in settings.items():
+        owner, parameter = _owner(name, fmus)
+        if owner == "plant":
+            _put(plant, fmus.plant, parameter, value)
+        elif owner == "filter":
+            for values in (filter_, *compare.values()):
+                _put(values, fmus.filter, parameter, value)
+        else:
+            own = _with_entry(own, parameter.split("."), value)
+    return {**own, "plant": plant, "filter": filter_, "compare": compare}
+
+
+def _put(values: dict[str, object], fmu: Fmu, name: str, value: object) -> None:
+    """Set a parameter after all that were set before (an element overrides what its array says)."""
+    try:
+        fmu.assignments(name, value)
+    except BadInput as error:
+        raise BadInput(f"the setting {name} = {value}: {error}") from None
+    values.pop(name, None)
+    values[name] = value
+
+
+def _owner(name: str, fmus: Fmus) -> tuple[str, str]:
+    """Which part of a scenario a setting belongs to (plant, filter, scenario), and its name there."""
+    owners = [which for which in ("plant", "filter") if getattr(fmus, which).has_parameter(name)]
+    if len(owners) > 1:
+        raise BadInput(f"both FMUs have a parameter {name}; say plant.{name} or filter.{name}")
+    if owners:
+        return owners[0], name
+    prefix, _, rest = name.partition(".")
+    if prefix in ("plant", "filter"):
+        return prefix, rest
+    if prefix in Scenario.model_fields and prefix not in ("name", "compare"):
+        return "scenario", name
+    known = [*fmus.plant.parameter_names(), *fmus.filter.parameter_names(), *Scenario.model_fields]
+    raise BadInput(f"the setting {name}: no FMU has such a parameter{did_you_mean(name, known)}")
+
+
+def _with_entry(table: Mapping[str, Any], path: list[str], value: object) -> dict[str, Any]:
+    key, *rest = path
+    if not rest:
+        return {**table, key: value}
+    inner = table.get(key, {})
+    return {**table, key: _with_entry(inner if isinstance(inner, Mapping) else {}, rest, value)}

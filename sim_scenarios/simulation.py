@@ -1,0 +1,283 @@
+"""From a scenario to a data set: plant and filters connected, initialised, run, and judged against the bound."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack, closing
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from sim_scenarios import attitude, recording
+from sim_scenarios.bounds import Bound, Knowledge, Trajectory, cramer_rao, radii
+from sim_scenarios.cosimulation import (
+    FmuSource,
+    Instance,
+    Message,
+    Order,
+    Port,
+    Progress,
+    Sink,
+    Table,
+    connected,
+    simulate,
+)
+from sim_scenarios.errors import BadInput
+from sim_scenarios.fmus import Fmu, Number
+from sim_scenarios.scenario import Fmus, Scenario, load_scenario
+
+Array = NDArray[np.float64]
+
+TRUTH = (
+    "truth.roll",
+    "truth.pitch",
+    "truth.heading",
+    "truth.latitude",
+    "truth.longitude",
+    "truth.height",
+    *(f"truth.velocity[{i}]" for i in (1, 2, 3)),
+)
+DRAWS = 1
+"""Random stream of the initial errors, apart from those of the plant."""
+
+
+def run(
+    scenario: str | Path,
+    *,
+    seed: int | None = None,
+    set: Mapping[str, object] | None = None,  # noqa: A002  (the word of the command line)
+    order: Order = Order.gauss_seidel,
+    progress: Progress = lambda _: None,
+    fmus: Fmus | None = None,
+) -> xr.Dataset:
+    """Run a scenario with its filter.
+
+    Parameters
+    ----------
+    scenario : str or Path
+        Name of a shipped scenario, or path of a TOML file.
+    seed : int, optional
+        Seed of every random stream of the plant.
+    set : mapping, optional
+        Values by name, in SI units or with a unit: any FMU parameter (`{"imu.gyro.bias": "0.05 deg/h"}`) or entry of
+        the scenario (`{"duration": 900}`).
+    order : Order
+        Who steps first.
+    progress : callable
+        Called with the completed share.
+    fmus : Fmus, optional
+        The FMUs, to load them once for many runs.
+
+    Returns
+    -------
+    xarray.Dataset
+        See `recording`; `metrics.judge` gives the verdict on it.
+    """
+    fmus = fmus or Fmus.load()
+    loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
+    return run_filters(loaded, fmus, {"filter": loaded.filter}, order, progress).isel(filter=0)
+
+
+def compare(
+    scenario: str | Path,
+    *,
+    seed: int | None = None,
+    set: Mapping[str, object] | None = None,  # noqa: A002
+    progress: Progress = lambda _: None,
+    fmus: Fmus | None = None,
+) -> xr.Dataset:
+    """Run the filters that a scenario compares on the same signals.
+
+    Parameters as for `run`. Select one filter of the result with `.sel(filter="UKF")`.
+    """
+    fmus = fmus or Fmus.load()
+    loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
+    if not loaded.compare:
+        raise BadInput(f"{scenario}: compare: names no filter")
+    return run_filters(loaded, fmus, loaded.filters(), Order.gauss_seidel, progress)
+
+
+def bound(
+    scenario: str | Path,
+    *,
+    seed: int | None = None,
+    set: Mapping[str, object] | None = None,  # noqa: A002
+    fmus: Fmus | None = None,
+) -> xr.Dataset:
+    """Posterior Cramer-Rao bound along the true trajectory of a scenario, without running a filter.
+
+    Parameters as for `run`.
+    """
+    fmus = fmus or Fmus.load()
+    loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
+    times = _times(loaded.duration, loaded.recording_period)
+    with closing(_plant(loaded, fmus)) as plant:
+        table = Table(Port(plant, TRUTH), len(times))
+        source = FmuSource(plant, TRUTH)
+        table.append()
+        for time, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
+            source.advance(time, end - time)
+            table.append()
+        columns = table.columns()
+    data = xr.Dataset(coords={"time": ("time", times, {"units": "s"})}, attrs=_attributes(loaded, fmus))
+    return _with_bound(data, cramer_rao(_trajectory(times, columns), knowledge(loaded, fmus.plant)), loaded)
+
+
+def run_filters(
+    scenario: Scenario,
+    fmus: Fmus,
+    filters: Mapping[str, Mapping[str, Number]],
+    order: Order = Order.gauss_seidel,
+    progress: Progress = lambda _: None,
+) -> xr.Dataset:
+    """Run filters, given by label and parameters, on the signals of a scenario."""
+    times = _times(scenario.duration, scenario.communication_step)
+    record_every = _whole(scenario.recording_period, scenario.communication_step, "recording_period")
+    signals = connected(fmus.plant.outputs(), fmus.filter)
+    truth = [name for name in fmus.plant.outputs() if name.startswith("truth.")]
+    with ExitStack() as stack:
+        plant = stack.enter_context(closing(_plant(scenario, fmus)))
+        source = FmuSource(plant, signals)
+        start = initial_values(scenario, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
+        sinks = []
+        for label, values in filters.items():
+            instance = stack.enter_context(closing(Instance(fmus.filter, label, {**values, **start})))
+            instance.begin_initialisation(0.0, scenario.duration)
+            sinks.append(Sink(instance, source))
+            sinks[-1].receive()
+            instance.finish_initialisation()
+        recorded = simulate(
+            source,
+            sinks,
+            times,
+            record_every=record_every,
+            source_outputs=truth,
+            fix_outputs=recording.fix_outputs(fmus.filter),
+            order=order,
+            progress=progress,
+        )
+        messages = [m for instance in (plant, *(s.instance for s in sinks)) for m in instance.messages]
+    data = recording.dataset(recorded, list(filters), fmus.filter, fmus.plant)
+    data.attrs = _attributes(scenario, fmus, messages)
+    assert recorded.truth is not None
+    trajectory = _trajectory(recorded.time, recorded.truth.columns())
+    return _with_bound(data, cramer_rao(trajectory, knowledge(scenario, fmus.plant)), scenario)
+
+
+def initial_values(scenario: Scenario, truth: Mapping[str, Number]) -> dict[str, float]:
+    """What the coarse alignment hands to the filter: the truth with the initial error of the scenario.
+
+    The computed attitude is C_b^{n'} = C_n^{n'}(phi) C_b^n.
+    """
+    error = scenario.initial_error
+    draws = np.random.default_rng([DRAWS, int(scenario.plant.get("seed", 1))]).standard_normal((2, 3))
+    phi = np.array(error.misalignment) + draws[0] * error.misalignment_sigma
+    C_bn = attitude.dcm(truth["truth.roll"], truth["truth.pitch"], truth["truth.heading"])
+    roll, pitch, heading = attitude.euler_angles(attitude.misalignment(phi) @ C_bn)
+    velocity = [truth[f"truth.velocity[{i}]"] for i in (1, 2, 3)]
+    velocity = np.array(velocity) + error.velocity + draws[1] * error.velocity_sigma
+    east, north, up = error.position
+    latitude, height = float(truth["truth.latitude"]), float(truth["truth.height"])
+    meridian, prime_vertical = radii(latitude)
+    return {
+        "initial.roll": roll,
+        "initial.pitch": pitch,
+        "initial.heading": heading,
+        **{f"initial.velocity[{i + 1}]": float(velocity[i]) for i in range(3)},
+        "initial.latitude": latitude + north / (meridian + height),
+        "initial.longitude": float(truth["truth.longitude"]) + east / ((prime_vertical + height) * np.cos(latitude)),
+        "initial.height": height + up,
+    }
+
+
+def knowledge(scenario: Scenario, plant: Fmu) -> Knowledge:
+    """What the bound of a scenario knows: its prior, and the noise of the plant (white noise and bias alone)."""
+
+    def value(name: str) -> float:
+        return float(scenario.plant.get(name, plant.start(name)))
+
+    prior = scenario.bound
+    return Knowledge(
+        tilt_sigma=prior.tilt_sigma,
+        heading_sigma=prior.heading_sigma,
+        velocity_sigma=prior.velocity_sigma,
+        gyro_bias_sigma=prior.gyro_bias_sigma,
+        accelerometer_bias_sigma=prior.accelerometer_bias_sigma,
+        angle_random_walk=value("imu.gyro.white_noise"),
+        velocity_random_walk=value("imu.accelerometer.white_noise"),
+        gnss_velocity_sigma=tuple(value(f"gnss.velocity_sigma[{i}]") for i in (1, 2, 3)),
+        gnss_rate=value("gnss.rate"),
+    )
+
+
+def _plant(scenario: Scenario, fmus: Fmus) -> Instance:
+    plant = Instance(fmus.plant, "plant", scenario.plant)
+    plant.begin_initialisation(0.0, scenario.duration)
+    plant.finish_initialisation()
+    return plant
+
+
+def _times(duration: float, step: float) -> Array:
+    return step * np.arange(_whole(duration, step, "duration") + 1)
+
+
+def _whole(span: float, step: float, name: str) -> int:
+    """How many steps a span has, which must be a whole number."""
+    steps = round(span / step)
+    if steps < 1 or abs(span - steps * step) > 1e-9 * max(span, step):
+        raise BadInput(f"{name} = {span:g} s: must be a whole multiple of the step of {step:g} s")
+    return steps
+
+
+def _trajectory(time: Array, truth: Mapping[str, Array]) -> Trajectory:
+    return Trajectory(
+        time=time,
+        C_bn=attitude.dcm(truth["truth.roll"], truth["truth.pitch"], truth["truth.heading"]),
+        velocity=np.column_stack([truth[f"truth.velocity[{i}]"] for i in (1, 2, 3)]),
+        latitude=truth["truth.latitude"],
+        height=truth["truth.height"],
+    )
+
+
+def _with_bound(data: xr.Dataset, bound: Bound, scenario: Scenario) -> xr.Dataset:
+    window = scenario.evaluation
+    data = data.assign_coords(bound_time=("bound_time", bound.time, {"units": "s"}))
+    attributes = {"units": "rad", "description": "Posterior Cramer-Rao bound of the heading"}
+    data["bound.heading_sigma"] = ("bound_time", bound.heading_sigma, attributes)
+    data.attrs["bound.heading_rms"] = bound.heading_rms(window.start, window.stop)
+    return data
+
+
+def _attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ()) -> dict[str, str | float]:
+    """What made a data set, and how to judge it."""
+    window = scenario.evaluation
+    return {
+        "scenario": scenario.name,
+        "description": scenario.description,
+        "notes": scenario.notes,
+        "seed": int(scenario.plant.get("seed", fmus.plant.start("seed"))),
+        "duration": scenario.duration,
+        "communication_step": scenario.communication_step,
+        "evaluation.start": window.start,
+        "evaluation.stop": min(window.stop, scenario.duration),
+        "evaluation.heading_limit": window.heading_limit,
+        "settings": json.dumps({"plant": _readable(scenario.plant, fmus.plant), "filter": _readable(scenario.filter, fmus.filter)}),
+        "filters": json.dumps({k: _readable(v, fmus.filter) for k, v in scenario.filters().items()}),
+        "versions": json.dumps({"truenorth": _version(), **{fmu.name: fmu.guid for fmu in (fmus.plant, fmus.filter)}}),
+        "messages": json.dumps([str(message) for message in messages]),
+    }
+
+
+def _version() -> str:
+    try:
+        return version("truenorth")
+    except PackageNotFoundError:
+        return "not installed (checkout)"
+
+
+def _readable(values: Mapping[str, Number], fmu: Fmu) -> dict[str, str]:
+    return {name: fmu.variables[name].display(value) for name, value in values.items()}
