@@ -10,6 +10,7 @@ import math
 import re
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
@@ -22,11 +23,11 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-Scalar: TypeAlias = bool | int | float | str
-Start: TypeAlias = Scalar | list[Scalar] | list[list[Scalar]]
+Value: TypeAlias = bool | int | float | str
+Start: TypeAlias = Value | list[Value] | list[list[Value]]
 
 PLAIN_TYPES = ("Real", "Integer", "Boolean")
-TAKEN = (*PLAIN_TYPES, "Parameters", "Inputs", "Outputs")
+TAKEN = (*PLAIN_TYPES, "Parameters", "Inputs", "Outputs", *(unit.quantity for unit in UNITS.values()))
 LONGEST_NAME = 63
 INT32 = 2**31 - 1
 
@@ -170,13 +171,25 @@ class Variable(_Strict):
         ]
 
     @property
-    def starts(self) -> list[Scalar]:
+    def starts(self) -> list[Value]:
         """One start value for each scalar, in the order of `indices`."""
         if isinstance(self.start, list):
             return [value for row in self.start for value in (row if isinstance(row, list) else [row])]
         if self.start is None:
             raise DeclarationError(f"{self.name}: an output has no start values")
         return [self.start] * len(self.indices)
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """One element of a variable, as FMI 2 knows it."""
+
+    name: str
+    variable: Variable
+    position: int
+    """Among the elements of the variable, from 0."""
+    reference: int
+    """FMI value reference: the number among all scalars of the component, from 0."""
 
 
 class Declaration(_Strict):
@@ -196,6 +209,12 @@ class Declaration(_Strict):
     def of(self, *causalities: str) -> list[Variable]:
         """Variables of these causalities, in order of declaration."""
         return [variable for variable in self.variable if variable.causality in causalities]
+
+    @property
+    def scalars(self) -> list[Scalar]:
+        """Every variable's elements, in order of declaration."""
+        elements = [(v, i, name) for v in self.variable for i, name in enumerate(v.scalar_names)]
+        return [Scalar(name, v, i, reference) for reference, (v, i, name) in enumerate(elements)]
 
     def units(self) -> dict[str, Unit]:
         """Units in use."""

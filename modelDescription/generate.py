@@ -1,57 +1,131 @@
-"""Write everything that follows from a component's declaration."""
+"""Write what follows from a component's declaration: C++, modelDescription.xml and the documentation page.
+
+    generate.py code <Name>.toml <folder>           variables.hpp, variable_table.cpp
+    generate.py description <Name>.toml <folder>    modelDescription.xml, documentation/index.html, guid.cpp
+
+Everything goes to <folder>/<Name>/.
+"""
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import sys
+import uuid
+from dataclasses import dataclass
 from pathlib import Path
 
 import jinja2
 from declaration import Declaration, DeclarationError, read
+from fmi2 import Fmi2
+from markupsafe import Markup
 from structs import Cpp, nest
 
-TEMPLATES = Path(__file__).parent / "templates"
+HERE = Path(__file__).parent
+ROOT = HERE.parent
+
+
+@dataclass(frozen=True)
+class Product:
+    """What every FMU says about its origin."""
+
+    version: str
+    license: str
+    license_text: str
+
+    @property
+    def copyright(self) -> str:
+        """The line of the licence that names the owner."""
+        return next(line for line in self.license_text.splitlines() if line.startswith("Copyright"))
 
 
 def render(template: str, declaration: Declaration, **context: object) -> str:
     """Text of a template for a declaration."""
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
+        loader=jinja2.FileSystemLoader(HERE / "templates"),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
         autoescape=jinja2.select_autoescape(["xml", "html"]),
     )
-    return environment.get_template(template).render(
-        component=declaration, cpp=Cpp(declaration), nest=nest, **context
+    return environment.get_template(template).render(component=declaration, **context)
+
+
+def code(declaration: Declaration) -> dict[str, str]:
+    """C++ files: the structs a component is made of, and the table through which FMI reaches them."""
+    cpp = Cpp(declaration)
+    return {
+        "variables.hpp": render("variables.hpp", declaration, cpp=cpp, nest=nest),
+        "variable_table.cpp": render("variable_table.cpp", declaration, cpp=cpp),
+    }
+
+
+def description(declaration: Declaration, product: Product, sources: list[Path]) -> dict[str, str]:
+    """Files that describe the FMU; the guid is a hash of them and of the sources."""
+    fmi2 = Fmi2(declaration)
+
+    def model_description(guid: str) -> str:
+        return render(
+            "modelDescription.xml",
+            declaration,
+            product=product,
+            guid=guid,
+            start=fmi2.start,
+            dependencies=fmi2.dependencies,
+        )
+
+    page = render(
+        "index.html",
+        declaration,
+        product=product,
+        icon=Markup((HERE / "documentation" / f"{declaration.name}.svg").read_text(encoding="utf-8")),
+        theory=Markup((HERE / "documentation" / f"{declaration.name}.html").read_text(encoding="utf-8")),
+        start=fmi2.start,
     )
+    parts = [model_description(""), page, *code(declaration).values()]
+    guid = content_hash(parts, sources)
+    return {
+        "modelDescription.xml": model_description(guid),
+        "documentation/index.html": page,
+        "guid.cpp": render("guid.cpp", declaration, guid=guid),
+    }
 
 
-def write(path: Path, text: str) -> None:
-    """Write a text, making its folder."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8", newline="\n")
-
-
-def variables(declaration: Declaration, folder: Path) -> None:
-    """`<Name>/variables.hpp`: the structs a component is made of."""
-    write(folder / declaration.name / "variables.hpp", render("variables.hpp", declaration))
+def content_hash(parts: list[str], sources: list[Path]) -> str:
+    """Fold texts and files, in the order given, into a guid."""
+    digest = hashlib.sha256()
+    for part in (*(text.encode() for text in parts), *(source.read_bytes() for source in sources)):
+        digest.update(len(part).to_bytes(8, "little"))
+        digest.update(part)
+    return f"{{{uuid.UUID(bytes=digest.digest()[:16])}}}"
 
 
 def main() -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    commands = parser.add_subparsers(dest="command", required=True)
-    command = commands.add_parser("variables", help="the C++ structs")
-    command.add_argument("declaration", type=Path)
-    command.add_argument("folder", type=Path)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("what", choices=["code", "description"])
+    parser.add_argument("declaration", type=Path)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--version", default="0", help="version of the product")
     arguments = parser.parse_args()
     try:
-        variables(read(arguments.declaration), arguments.folder)
+        declaration = read(arguments.declaration)
     except DeclarationError as error:
         print(error, file=sys.stderr)
         return 1
+    if arguments.what == "code":
+        files = code(declaration)
+    else:
+        product = Product(arguments.version, "BSD-3-Clause", (ROOT / "LICENSE").read_text(encoding="utf-8"))
+        sources = sorted(path for path in (ROOT / "fmu_src").rglob("*.[ch]pp"))
+        files = description(declaration, product, sources)
+    for name, text in files.items():
+        path = arguments.folder / declaration.name / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8", newline="\n")
     return 0
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from declaration import Declaration, Scalar, Variable
+from declaration import Declaration, Value, Variable
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Cpp:
             return f"Eigen::Matrix<double, {shape[0]}, 1>"
         return f"Eigen::Matrix<double, {shape[0]}, {shape[1]}, Eigen::RowMajor>"
 
-    def literal(self, variable: Variable, value: Scalar) -> str:
+    def literal(self, variable: Variable, value: Value) -> str:
         """Write a start value; doubles so that they read back to the same bits."""
         if variable.type == "Real":
             return repr(float(value))
@@ -76,7 +76,7 @@ class Cpp:
         """Default member initialiser; outputs start from zero, enumerations from their first item."""
         if variable.start is None:
             first = self._declaration.enumeration.get(variable.type)
-            zero: Scalar = first.items[0].name if first else 0
+            zero: Value = first.items[0].name if first else 0
             values = [self.literal(variable, zero)] * len(variable.indices)
         else:
             values = [self.literal(variable, value) for value in variable.starts]
@@ -89,6 +89,10 @@ class Cpp:
             rows = [values[row * shape[1] : (row + 1) * shape[1]] for row in range(shape[0])]
             return "{" + ", ".join("{" + ", ".join(row) + "}" for row in rows) + "}"
         return "{" + ", ".join(values) + "}"
+
+    def group(self, variable: Variable) -> str:
+        """Name the component's member that holds the variable."""
+        return {"input": "inputs", "output": "outputs"}.get(variable.causality, "parameters")
 
     def elements(self, variable: Variable) -> list[str]:
         """How each scalar is reached from the struct: `imu.time`, `imu.delta_angle(0)`, `flags[0]`."""

@@ -1,0 +1,27 @@
+// What distinguishes one FMU from another. The definitions are generated: <Name>/variable_table.cpp,
+// guid.cpp.
+#pragma once
+
+#include <memory>
+
+#include "components/log.hpp"
+#include "fmi/model.hpp"
+
+namespace truenorth::fmi {
+
+struct Identity {
+    const char* name;
+    const char* guid;
+};
+
+struct Fmu {
+    Identity identity;
+    std::unique_ptr<Model> (*make_model)(Log&);
+};
+
+[[nodiscard]] Fmu this_fmu();
+
+// Hash of the model description and of the sources: another FMU has another.
+[[nodiscard]] const char* guid();
+
+}  // namespace truenorth::fmi

@@ -1,0 +1,235 @@
+#include "fmi/instance.hpp"
+
+#include <algorithm>
+#include <cereal/archives/binary.hpp>
+#include <cereal/types/common.hpp>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "components/parameter_rules.hpp"
+#include "fmi/refusal.hpp"
+#include "fmi/snapshot.hpp"
+
+namespace truenorth::fmi {
+namespace {
+
+using rules::text;
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+const char* name_of(Phase phase) {
+    switch (phase) {
+        case Phase::instantiated:
+            return "instantiated";
+        case Phase::initialising:
+            return "initialisation mode";
+        case Phase::stepping:
+            return "stepping";
+        case Phase::failed:
+            return "step failed";
+        case Phase::terminated:
+            return "terminated";
+    }
+    return "unknown";
+}
+
+const char* name_of(Type type) {
+    switch (type) {
+        case Type::real:
+            return "Real";
+        case Type::integer:
+            return "Integer or Enumeration";
+        case Type::boolean:
+            return "Boolean";
+    }
+    return "unknown";
+}
+
+// Masters add up their steps in floating point.
+double tolerance_at(double time) { return 1e-9 + 1e-12 * std::abs(time); }
+
+void require_finite(const char* what, double value) {
+    if (!std::isfinite(value))
+        throw Refusal(std::string(what) + " = " + text(value) + ": must be a finite number");
+}
+
+}  // namespace
+
+Instance::Instance(const Fmu& fmu, Journal::Sink sink, bool events)
+    : fmu_(fmu), journal_(std::move(sink), events), model_(fmu.make_model(journal_)), stop_time_(never) {}
+
+// ------------------------------------------------------------------ order of calls
+
+void Instance::require(Phases allowed) const {
+    if (std::find(allowed.begin(), allowed.end(), phase_) != allowed.end()) return;
+    std::string list;
+    for (const Phase phase : allowed)
+        list += (list.empty() ? "'" : ", '") + std::string(name_of(phase)) + "'";
+    throw Refusal("not allowed in the phase '" + std::string(name_of(phase_)) + "', only in " + list);
+}
+
+void Instance::set_up_experiment(double start_time, std::optional<double> stop_time) {
+    require({Phase::instantiated});
+    require_finite("start time", start_time);
+    if (stop_time) {
+        require_finite("stop time", *stop_time);
+        if (*stop_time < start_time) {
+            throw Refusal("stop time = " + text(*stop_time) + ": must be at least the start time, " +
+                          text(start_time));
+        }
+    }
+    start_time_ = start_time;
+    stop_time_ = stop_time.value_or(never);
+    time_ = start_time;
+}
+
+void Instance::enter_initialisation() {
+    require({Phase::instantiated});
+    phase_ = Phase::initialising;
+    initialised_ = false;
+}
+
+void Instance::exit_initialisation() {
+    require({Phase::initialising});
+    initialise();
+    phase_ = Phase::stepping;
+}
+
+void Instance::initialise() {
+    if (initialised_ || phase_ != Phase::initialising) return;
+    model_->initialise(start_time_);
+    initialised_ = true;
+}
+
+void Instance::step(double time, double size) {
+    require({Phase::stepping});
+    require_finite("current communication point", time);
+    require_finite("step size", size);
+    if (size <= 0.0) throw Refusal("step size = " + text(size) + ": must be greater than 0");
+    if (std::abs(time - time_) > tolerance_at(time_)) {
+        throw Refusal("the step begins at " + text(time) + " s, but the last one ended at " + text(time_) +
+                      " s");
+    }
+    const double end = time + size;
+    if (end > stop_time_ + tolerance_at(stop_time_)) {
+        throw Refusal("the step ends at " + text(end) + " s, after the stop time of " + text(stop_time_) +
+                      " s");
+    }
+    try {
+        model_->step(time, size);
+    } catch (const std::invalid_argument&) {  // a step that the component cannot make; nothing has changed
+        throw;
+    } catch (...) {
+        phase_ = Phase::failed;
+        throw;
+    }
+    time_ = end;
+}
+
+void Instance::terminate() {
+    require({Phase::stepping, Phase::failed});
+    phase_ = Phase::terminated;
+}
+
+void Instance::reset() {
+    model_ = fmu_.make_model(journal_);
+    phase_ = Phase::instantiated;
+    start_time_ = time_ = 0.0;
+    stop_time_ = never;
+    initialised_ = false;
+}
+
+// ------------------------------------------------------------------ variables
+
+const Variable& Instance::variable(unsigned reference, Type type) const {
+    const Variable* variable = model_->find(reference);
+    if (variable == nullptr) {
+        throw Refusal("there is no variable with the value reference " + std::to_string(reference));
+    }
+    if (variable->type != type) {
+        throw Refusal(std::string(variable->name) + " has the type " + name_of(variable->type) + ", not " +
+                      name_of(type));
+    }
+    return *variable;
+}
+
+bool Instance::any_of(std::span<const unsigned> references, Causality causality) const {
+    return std::any_of(references.begin(), references.end(),
+                       [&](unsigned reference) { return model_->find(reference)->causality == causality; });
+}
+
+void Instance::require_readable(std::span<const unsigned> references, Type type) const {
+    require({Phase::initialising, Phase::stepping, Phase::failed, Phase::terminated});
+    for (const unsigned reference : references) variable(reference, type);
+}
+
+void Instance::require_settable(std::span<const unsigned> references, Type type) const {
+    require({Phase::instantiated, Phase::initialising, Phase::stepping});
+    for (const unsigned reference : references) {
+        const Variable& candidate = variable(reference, type);
+        if (candidate.causality == Causality::output) {
+            throw Refusal(std::string(candidate.name) + " is an output and cannot be set");
+        }
+        if (candidate.causality == Causality::parameter && phase_ == Phase::stepping) {
+            throw Refusal(std::string(candidate.name) +
+                          " is a fixed parameter and cannot change after initialisation");
+        }
+    }
+}
+
+// ------------------------------------------------------------------ states
+
+State* Instance::keep(std::string bytes) {
+    states_.push_back(std::make_unique<State>(std::move(bytes)));
+    return states_.back().get();
+}
+
+State* Instance::find(const State* state) const {
+    const auto found =
+        std::find_if(states_.begin(), states_.end(), [&](const auto& own) { return own.get() == state; });
+    if (found == states_.end()) {
+        throw Refusal(
+            "this is no state that the instance has stored; to hand a state over to another instance, "
+            "serialise it");
+    }
+    return found->get();
+}
+
+State* Instance::save(State* overwritten) {
+    State* const reused = overwritten == nullptr ? nullptr : find(overwritten);
+    std::ostringstream stream;
+    {
+        cereal::BinaryOutputArchive archive(stream);
+        serialize_progress(archive);
+    }
+    model_->save(stream);
+    std::string bytes = pack(fmu_.identity, stream.str());
+    if (reused == nullptr) return keep(std::move(bytes));
+    *reused = State(std::move(bytes));
+    return reused;
+}
+
+State* Instance::import_state(std::span<const char> bytes) {
+    static_cast<void>(unpack(fmu_.identity, bytes));
+    return keep({bytes.begin(), bytes.end()});
+}
+
+void Instance::restore(const State* state) {
+    std::istringstream stream(unpack(fmu_.identity, find(state)->bytes()));
+    auto model = fmu_.make_model(journal_);
+    {
+        cereal::BinaryInputArchive archive(stream);
+        serialize_progress(archive);
+    }
+    model->load(stream);
+    model_ = std::move(model);
+}
+
+void Instance::release(const State* state) {
+    if (state == nullptr) return;
+    std::erase_if(states_, [own = find(state)](const auto& candidate) { return candidate.get() == own; });
+}
+
+}  // namespace truenorth::fmi

@@ -1,0 +1,117 @@
+// One running FMU, whatever the FMI version: order of calls, variables, time, and stored states.
+//
+// A call that cannot be honoured throws and leaves the instance as it was; only a step that broke down
+// half way leaves it in the phase `failed`, from which a stored state or a reset leads back.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fmi/fmu.hpp"
+#include "fmi/journal.hpp"
+#include "fmi/model.hpp"
+
+namespace truenorth::fmi {
+
+enum class Phase : std::uint8_t { instantiated, initialising, stepping, failed, terminated };
+
+// A stored state. It belongs to the instance that made it.
+class State {
+  public:
+    explicit State(std::string bytes) : bytes_(std::move(bytes)) {}
+    [[nodiscard]] std::span<const char> bytes() const { return bytes_; }
+
+  private:
+    std::string bytes_;
+};
+
+class Instance {
+  public:
+    Instance(const Fmu& fmu, Journal::Sink sink, bool events);
+
+    void set_up_experiment(double start_time, std::optional<double> stop_time);
+    void enter_initialisation();
+    void exit_initialisation();
+    void step(double time, double size);
+    void terminate();
+    void reset();
+
+    // T is the variables' type here (double, int, bool), External the one of the FMI version.
+    // All or nothing: values are set only when every one of them may be.
+    template <class T, class External>
+    void get(std::span<const unsigned> references, External* values);
+    template <class T, class External>
+    void set(std::span<const unsigned> references, const External* values);
+
+    // States live until they are released, the instance at most. nullptr is a state that does not exist yet.
+    [[nodiscard]] State* save(State* overwritten);
+    [[nodiscard]] State* import_state(std::span<const char> bytes);
+    void restore(const State* state);
+    void release(const State* state);
+    [[nodiscard]] std::span<const char> bytes(const State* state) const { return find(state)->bytes(); }
+
+    // Time that the last successful step reached.
+    [[nodiscard]] double time() const { return time_; }
+    [[nodiscard]] Journal& journal() { return journal_; }
+
+  private:
+    using Phases = std::initializer_list<Phase>;
+
+    void require(Phases allowed) const;
+    void require_readable(std::span<const unsigned> references, Type type) const;
+    void require_settable(std::span<const unsigned> references, Type type) const;
+    const Variable& variable(unsigned reference, Type type) const;
+    [[nodiscard]] bool any_of(std::span<const unsigned> references, Causality causality) const;
+    void initialise();
+    [[nodiscard]] State* find(const State* state) const;
+    State* keep(std::string bytes);
+
+    template <class Archive>
+    void serialize_progress(Archive& archive) {
+        archive(phase_, start_time_, stop_time_, time_, initialised_);
+    }
+
+    Fmu fmu_;
+    Journal journal_;
+    std::unique_ptr<Model> model_;
+    std::vector<std::unique_ptr<State>> states_;
+
+    Phase phase_ = Phase::instantiated;
+    double start_time_ = 0.0;
+    double stop_time_ = 0.0;  // infinity: not defined
+    double time_ = 0.0;
+    bool initialised_ = false;  // the outputs belong to the parameters and inputs that are set
+};
+
+template <class T, class External>
+void Instance::get(std::span<const unsigned> references, External* values) {
+    require_readable(references, type_of<T>);
+    if (any_of(references, Causality::output)) initialise();
+    for (const unsigned reference : references) {
+        T value{};
+        model_->get(reference, value);
+        *values++ = static_cast<External>(value);
+    }
+}
+
+template <class T, class External>
+void Instance::set(std::span<const unsigned> references, const External* values) {
+    require_settable(references, type_of<T>);
+    const auto store = [&] {
+        const External* value = values;
+        for (const unsigned reference : references) model_->set(reference, static_cast<T>(*value++));
+    };
+    if (phase_ == Phase::stepping && any_of(references, Causality::tunable)) {
+        model_->retune(store);
+    } else {
+        store();
+        if (phase_ != Phase::stepping) initialised_ = false;
+    }
+}
+
+}  // namespace truenorth::fmi

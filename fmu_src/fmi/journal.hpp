@@ -1,0 +1,38 @@
+// The log of one instance: two categories, each on or off, and a sink that knows the FMI version.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "components/log.hpp"
+
+namespace truenorth::fmi {
+
+class Journal final : public Log {
+  public:
+    enum class Severity { information, error };
+    using Sink = std::function<void(Severity severity, const char* category, const char* text)>;
+
+    static constexpr const char* errors_category = "logStatusError";
+    static constexpr const char* events_category = "logEvents";
+    static constexpr const char* every_category = "logAll";
+
+    // Errors are always worth a line unless they are switched off by name; events are for who asks.
+    Journal(Sink sink, bool events) : sink_(std::move(sink)), events_(events) {}
+
+    // No category: the debug log as a whole, that is, events. Throws Refusal for an unknown category.
+    void enable(bool on, std::span<const std::string_view> categories);
+
+    [[nodiscard]] bool listens() const override { return events_; }
+    void event(const std::string& text) override;
+    void error(const std::string& text) const;
+
+  private:
+    Sink sink_;
+    bool events_;
+    bool errors_ = true;
+};
+
+}  // namespace truenorth::fmi

@@ -1,0 +1,109 @@
+// A component as the FMI layer sees it: scalars by reference, a clock, and its complete state as bytes.
+#pragma once
+
+#include <cereal/archives/binary.hpp>
+#include <functional>
+#include <iosfwd>
+#include <memory>
+#include <span>
+#include <variant>
+
+#include "components/log.hpp"
+#include "fmi/variable.hpp"
+
+namespace truenorth::fmi {
+
+class Model {
+  public:
+    Model() = default;
+    Model(const Model&) = delete;
+    Model(Model&&) = delete;
+    Model& operator=(const Model&) = delete;
+    Model& operator=(Model&&) = delete;
+    virtual ~Model() = default;
+
+    // nullptr: there is no such reference.
+    [[nodiscard]] virtual const Variable* find(unsigned reference) const = 0;
+
+    // The reference must exist and have the type; to be set, it must not be an output.
+    virtual void get(unsigned reference, double& value) const = 0;
+    virtual void get(unsigned reference, int& value) const = 0;
+    virtual void get(unsigned reference, bool& value) const = 0;
+    virtual void set(unsigned reference, double value) = 0;
+    virtual void set(unsigned reference, int value) = 0;
+    virtual void set(unsigned reference, bool value) = 0;
+
+    virtual void initialise(double start_time) = 0;
+    virtual void step(double time, double size) = 0;
+
+    virtual void save(std::ostream& stream) const = 0;
+    virtual void load(std::istream& stream) = 0;
+
+    // Lets `change` set tunable parameters; if the component refuses the result, every parameter
+    // is what it was and the refusal is thrown on. Takes any callable without allocating.
+    template <class Change>
+    void retune(Change change) {
+        retune_with(std::ref(change));
+    }
+
+  private:
+    virtual void retune_with(std::function<void()> change) = 0;
+};
+
+template <class Component>
+class ComponentModel final : public Model {
+  public:
+    ComponentModel(std::span<const Row<Component>> table, Log& log) : table_(table), component_(log) {}
+
+    [[nodiscard]] const Variable* find(unsigned reference) const override {
+        return reference < table_.size() ? &table_[reference].variable : nullptr;
+    }
+
+    void get(unsigned reference, double& value) const override { value = read<double>(reference); }
+    void get(unsigned reference, int& value) const override { value = read<int>(reference); }
+    void get(unsigned reference, bool& value) const override { value = read<bool>(reference); }
+    void set(unsigned reference, double value) override { write(reference, value); }
+    void set(unsigned reference, int value) override { write(reference, value); }
+    void set(unsigned reference, bool value) override { write(reference, value); }
+
+    void initialise(double start_time) override { component_.initialise(start_time); }
+    void step(double time, double size) override { component_.step(time, size); }
+
+    void save(std::ostream& stream) const override {
+        cereal::BinaryOutputArchive archive(stream);
+        archive(component_);
+    }
+
+    void load(std::istream& stream) override {
+        cereal::BinaryInputArchive archive(stream);
+        archive(component_);
+    }
+
+  private:
+    template <class T>
+    [[nodiscard]] T read(unsigned reference) const {
+        return std::get<Access<Component, T>>(table_[reference].access).get(component_);
+    }
+
+    template <class T>
+    void write(unsigned reference, T value) {
+        std::get<Access<Component, T>>(table_[reference].access).set(component_, value);
+    }
+
+    void retune_with(std::function<void()> change) override {
+        const auto before = component_.parameters;
+        change();
+        try {
+            component_.retune();
+        } catch (...) {
+            component_.parameters = before;
+            component_.retune();
+            throw;
+        }
+    }
+
+    std::span<const Row<Component>> table_;
+    Component component_;
+};
+
+}  // namespace truenorth::fmi

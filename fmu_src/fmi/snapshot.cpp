@@ -1,0 +1,91 @@
+// Layout: 8 bytes magic, 4 bytes version of the format, 8 bytes checksum of all that follows, then
+// the owner's name, its guid and the payload. The version and the checksum are looked at before anything
+// else, so that nothing is interpreted that was not written here.
+#include "fmi/snapshot.hpp"
+
+#include <array>
+#include <cereal/archives/binary.hpp>
+#include <cereal/types/string.hpp>
+#include <cstdint>
+#include <cstring>
+#include <sstream>
+#include <string_view>
+
+#include "fmi/refusal.hpp"
+
+namespace truenorth::fmi {
+namespace {
+
+constexpr std::string_view magic = "TNstate\n";
+constexpr std::uint32_t format_version = 1;
+
+struct Header {
+    std::uint32_t version = format_version;
+    std::uint64_t checksum = 0;
+};
+constexpr std::size_t header_size = magic.size() + sizeof(Header::version) + sizeof(Header::checksum);
+
+// FNV-1a, 64 bits: any single changed byte changes it.
+std::uint64_t checksum_of(std::string_view bytes) {
+    std::uint64_t hash = 0xcbf29ce484222325U;
+    for (const char byte : bytes) {
+        hash ^= static_cast<unsigned char>(byte);
+        hash *= 0x100000001b3U;
+    }
+    return hash;
+}
+
+template <class T>
+T read(std::string_view bytes) {
+    T value{};
+    std::memcpy(&value, bytes.data(), sizeof value);
+    return value;
+}
+
+}  // namespace
+
+std::string pack(const Identity& owner, const std::string& payload) {
+    std::ostringstream body;
+    {
+        cereal::BinaryOutputArchive archive(body);
+        archive(std::string(owner.name), std::string(owner.guid), payload);
+    }
+    const std::string content = body.str();
+    const Header header{.checksum = checksum_of(content)};
+    std::string bytes(magic);
+    bytes.reserve(header_size + content.size());
+    bytes.append(reinterpret_cast<const char*>(&header.version), sizeof header.version);
+    bytes.append(reinterpret_cast<const char*>(&header.checksum), sizeof header.checksum);
+    return bytes + content;
+}
+
+std::string unpack(const Identity& owner, std::span<const char> bytes) {
+    const std::string_view all(bytes.data(), bytes.size());
+    if (!all.starts_with(magic)) throw Refusal("these bytes are not the state of a TrueNorth FMU");
+    if (all.size() < header_size) throw Refusal("the stored state is truncated");
+    const auto version = read<std::uint32_t>(all.substr(magic.size()));
+    if (version != format_version) {
+        throw Refusal("the stored state has format version " + std::to_string(version) +
+                      "; this FMU reads version " + std::to_string(format_version));
+    }
+    const auto expected = read<std::uint64_t>(all.substr(magic.size() + sizeof version));
+    const std::string_view content = all.substr(header_size);
+    if (checksum_of(content) != expected) throw Refusal("the stored state is truncated or corrupt");
+
+    std::string name;
+    std::string guid;
+    std::string payload;
+    std::istringstream body{std::string(content)};
+    cereal::BinaryInputArchive archive(body);
+    archive(name, guid, payload);
+    if (name != owner.name) {
+        throw Refusal("the stored state is one of " + name + "; this is " + owner.name);
+    }
+    if (guid != owner.guid) {
+        throw Refusal("the stored state is one of another build of " + name + " (" + guid + "); this is " +
+                      owner.guid);
+    }
+    return payload;
+}
+
+}  // namespace truenorth::fmi

@@ -1,0 +1,37 @@
+// Generated from modelDescription/{{ component.name }}.toml; do not edit.
+#include <array>
+#include <memory>
+
+#include "components/{{ component.snake_name }}.hpp"
+#include "fmi/fmu.hpp"
+
+namespace truenorth::fmi {
+namespace {
+
+namespace declared = {{ component.snake_name }};
+using C = {{ component.name }};
+
+constexpr std::array<Row<C>, {{ component.scalars | length }}> table{ {
+{% for scalar in component.scalars %}
+{% set variable = scalar.variable %}
+{% set type = {'Real': 'double', 'Boolean': 'bool'}.get(variable.type, 'int') %}
+{% set member = cpp.group(variable) ~ '.' ~ cpp.elements(variable)[scalar.position] %}
+{% set enumerated = variable.type in component.enumeration %}
+    { {"{{ scalar.name }}", Causality::{{ variable.causality }}, type_of<{{ type }}>},
+     Access<C, {{ type }}>{
+         [](const C& c) { return {{ 'static_cast<int>(c.%s)' % member if enumerated else 'c.%s' % member }}; },
+{% if variable.causality == 'output' %}
+         nullptr} },
+{% else %}
+         [](C& c, {{ type }} v) { c.{{ member }} = {{ 'static_cast<declared::%s>(v)' % variable.type if enumerated else 'v' }}; }} },
+{% endif %}
+{% endfor %}
+} };
+
+std::unique_ptr<Model> make_model(Log& log) { return std::make_unique<ComponentModel<C>>(table, log); }
+
+}  // namespace
+
+Fmu this_fmu() { return { {"{{ component.name }}", guid()}, make_model}; }
+
+}  // namespace truenorth::fmi
