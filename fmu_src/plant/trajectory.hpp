@@ -50,7 +50,7 @@ class Trajectory {
     [[nodiscard]] State begin(double time) const;
 
     // To time `to`; what the sensors measure on the way.
-    [[nodiscard]] Increments advance(State& state, double to) const;
+    Increments advance(State& state, double to) const;
 
     // Longitude in [-pi, pi).
     [[nodiscard]] earth::Position position(const State& state) const { return position(state.travelled); }

@@ -1,0 +1,81 @@
+#include "plant/noise_stream.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace truenorth::plant {
+namespace {
+
+constexpr int kCount = 100000;
+constexpr double kSigmas = 5.0;  // every statistical bound here is missed by chance once in 2 million
+
+class NoiseStreamOfSeed : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(NoiseStreamOfSeed, NormalNumbersHaveTheMomentsOfTheNormalDistribution) {
+    const NoiseStream stream(GetParam(), NoiseSource::gyro_white);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Eigen::Vector3d fourth = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+    for (int k = 0; k < kCount; ++k) {
+        const Eigen::Vector3d x = stream.normal(static_cast<std::uint64_t>(k));
+        sum += x;
+        products += x * x.transpose();
+        fourth += x.array().pow(4).matrix();
+    }
+    const Eigen::Matrix3d covariance = products / kCount;
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(sum[i] / kCount, 0.0, kSigmas / std::sqrt(kCount));
+        EXPECT_NEAR(covariance(i, i), 1.0, kSigmas * std::sqrt(2.0 / kCount));
+        EXPECT_NEAR(fourth[i] / kCount, 3.0, kSigmas * std::sqrt(96.0 / kCount));
+        for (int j = 0; j < i; ++j) {
+            EXPECT_NEAR(covariance(i, j), 0.0, kSigmas / std::sqrt(kCount)) << i << " with " << j;
+        }
+    }
+}
+
+TEST_P(NoiseStreamOfSeed, UniformNumbersFillTheUnitInterval) {
+    const NoiseStream stream(GetParam(), NoiseSource::gnss_position_outlier);
+    Eigen::Matrix<int, 4, 10> histogram = Eigen::Matrix<int, 4, 10>::Zero();
+    for (int k = 0; k < kCount; ++k) {
+        const Eigen::Vector4d u = stream.uniform(static_cast<std::uint64_t>(k));
+        ASSERT_GT(u.minCoeff(), 0.0);
+        ASSERT_LT(u.maxCoeff(), 1.0);
+        for (int i = 0; i < 4; ++i) {
+            ++histogram(i, static_cast<int>(10.0 * u[i]));
+        }
+    }
+    const double expected = kCount / 10.0;
+    EXPECT_LT((histogram.cast<double>().array() - expected).abs().maxCoeff(),
+              kSigmas * std::sqrt(0.9 * expected));
+}
+
+TEST_P(NoiseStreamOfSeed, NeighbouringSamplesSourcesAndSeedsAreUncorrelated) {
+    const std::uint32_t seed = GetParam();
+    const NoiseStream stream(seed, NoiseSource::gyro_white);
+    const NoiseStream other_source(seed, NoiseSource::gyro_markov);
+    const NoiseStream other_seed(seed + 1, NoiseSource::gyro_white);
+    double next = 0.0;
+    double source = 0.0;
+    double neighbour = 0.0;
+    for (std::uint64_t k = 0; k < kCount; ++k) {
+        const double x = stream.normal(k).x();
+        next += x * stream.normal(k + 1).x();
+        source += x * other_source.normal(k).x();
+        neighbour += x * other_seed.normal(k).x();
+    }
+    const double bound = kSigmas * std::sqrt(kCount);
+    EXPECT_NEAR(next, 0.0, bound);
+    EXPECT_NEAR(source, 0.0, bound);
+    EXPECT_NEAR(neighbour, 0.0, bound);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, NoiseStreamOfSeed, testing::Values(0U, 1U, 20111115U, 0x7FFFFFFFU));
+
+TEST(NoiseStream, DrawsBeyondThirtyTwoBitsDiffer) {
+    const NoiseStream stream(1, NoiseSource::gyro_white);
+    EXPECT_NE(stream.uniform(5), stream.uniform(5 + (std::uint64_t{1} << 32U)));
+}
+
+}  // namespace
+}  // namespace truenorth::plant
