@@ -1,0 +1,484 @@
+#include "components/truth_plant.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cereal/archives/binary.hpp>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "components/invalid_parameter.hpp"
+#include "inertial/earth.hpp"
+
+namespace truenorth {
+namespace {
+
+using truth_plant::MotionKind;
+using truth_plant::Outputs;
+using truth_plant::Parameters;
+
+class Lines : public Log {
+  public:
+    std::vector<std::string> lines;
+
+    [[nodiscard]] bool listens() const override { return true; }
+    void event(const std::string& text) override { lines.push_back(text); }
+};
+
+// Every error source at once.
+void switch_everything_on(Parameters& parameters) {
+    parameters.seed = 42;
+    parameters.motion.wave.velocity.setConstant(0.5);
+    parameters.motion.turn.angle[0] = 1.0;
+    parameters.motion.turn.begin[0] = 1.0;
+    parameters.motion.turn.duration[0] = 3.0;
+    parameters.imu.gyro.markov_sigma = 1e-6;
+    parameters.imu.gyro.wave_sigma = 1e-6;
+    parameters.imu.gyro.quantisation = 1e-6;
+    parameters.imu.gyro.scale_factor.setConstant(1e-4);
+    parameters.imu.gyro.misalignment.setConstant(1e-4);
+    parameters.imu.gyro.bias_step.setConstant(1e-6);
+    parameters.imu.gyro.bias_step_time = 2.0;
+    parameters.imu.accelerometer.markov_sigma = 1e-3;
+    parameters.imu.accelerometer.wave_sigma = 1e-3;
+    parameters.imu.accelerometer.quantisation = 1e-5;
+    parameters.gnss.rate = 10.0;
+    parameters.gnss.latency = 0.25;
+    parameters.gnss.lever_arm = {1.0, 2.0, 3.0};
+    parameters.gnss.velocity_outlier.probability = 0.3;
+    parameters.gnss.position_outlier.probability = 0.3;
+}
+
+void make_perfect(Parameters& parameters) {
+    parameters.imu.gyro.bias_sigma = 0.0;
+    parameters.imu.gyro.white_noise = 0.0;
+    parameters.imu.accelerometer.bias_sigma = 0.0;
+    parameters.imu.accelerometer.white_noise = 0.0;
+    parameters.gnss.position_sigma.setZero();
+    parameters.gnss.velocity_sigma.setZero();
+}
+
+std::string bytes(Outputs outputs) {
+    std::ostringstream stream;
+    cereal::BinaryOutputArchive archive(stream);
+    archive(outputs);
+    return stream.str();
+}
+
+// IMU periods from the start, `periods` a step.
+void run(TruthPlant& plant, int from, int to, int periods = 1) {
+    for (int k = from; k < to; k += periods) {
+        plant.step(k / plant.parameters.imu.rate, periods / plant.parameters.imu.rate);
+    }
+}
+
+class TruthPlantTest : public testing::Test {
+  protected:
+    Lines log_;
+    TruthPlant plant_{log_};
+};
+
+// ---------------------------------------------------------------- outputs
+
+TEST_F(TruthPlantTest, OutputsAreValidAfterInitialisation) {
+    plant_.parameters.motion.course = 1.0;
+    plant_.parameters.motion.sway.amplitude.setZero();
+    plant_.parameters.gnss.lever_arm = {0.0, 0.0, 10.0};
+    plant_.initialise(5.0);
+    const Outputs& outputs = plant_.outputs;
+    EXPECT_EQ(outputs.imu.sample, 0);
+    EXPECT_EQ(outputs.imu.time, 5.0);
+    EXPECT_EQ(outputs.gnss.sample, 0);
+    EXPECT_EQ(outputs.gnss.time, 5.0);
+    EXPECT_EQ(outputs.gnss.latitude, plant_.parameters.motion.latitude);
+    EXPECT_NEAR(outputs.gnss.height, 10.0, 1e-12);
+    EXPECT_NEAR(outputs.truth.heading, 1.0, 1e-15);
+    EXPECT_LT((outputs.truth.velocity - 10.0 * Eigen::Vector3d(std::sin(1.0), std::cos(1.0), 0.0)).norm(),
+              1e-14);
+    EXPECT_GT(outputs.truth.gyro_bias.norm(), 0.0);
+    EXPECT_GT(outputs.truth.accelerometer_bias.norm(), 0.0);
+}
+
+TEST_F(TruthPlantTest, CountsIncrementsAndStampsTheirEnd) {
+    plant_.initialise(0.0);
+    plant_.step(0.0, 0.01);
+    EXPECT_EQ(plant_.outputs.imu.sample, 1);
+    EXPECT_EQ(plant_.outputs.imu.time, 0.01);
+    plant_.step(0.01, 0.05);
+    EXPECT_EQ(plant_.outputs.imu.sample, 2);
+    EXPECT_EQ(plant_.outputs.imu.time, 0.06);
+}
+
+TEST_F(TruthPlantTest, AVehicleAtRestFeelsGravityAndTheEarthsRate) {
+    Parameters& parameters = plant_.parameters;
+    make_perfect(parameters);
+    parameters.motion.kind = MotionKind::parked_vehicle;
+    parameters.motion.course = std::numbers::pi / 2.0;  // forward points east, right points south
+    parameters.motion.settle.angle.setZero();
+    parameters.motion.vibration.angle.setZero();
+    parameters.motion.vibration.acceleration.setZero();
+    plant_.initialise(0.0);
+    plant_.step(0.0, 1.0);
+    const double latitude = parameters.motion.latitude;
+    const Eigen::Vector3d rate = earth::kRate * Eigen::Vector3d(-std::cos(latitude), 0.0, std::sin(latitude));
+    EXPECT_LT((plant_.outputs.imu.delta_angle - rate).norm(), 1e-16);
+    EXPECT_LT(
+        (plant_.outputs.imu.delta_velocity - Eigen::Vector3d(0, 0, earth::gravity(latitude, 0.0))).norm(),
+        1e-12);
+}
+
+TEST_F(TruthPlantTest, TheDefaultParkedVehicleHardlyMoves) {
+    plant_.parameters.motion.kind = MotionKind::parked_vehicle;
+    plant_.initialise(0.0);
+    for (int k = 0; k < 1000; ++k) {
+        run(plant_, k, k + 1);
+        const auto& truth = plant_.outputs.truth;
+        ASSERT_LT(std::abs(truth.roll) + std::abs(truth.pitch), 0.1 * std::numbers::pi / 180.0);
+        ASSERT_LT(std::abs(truth.height), 1e-4);
+    }
+}
+
+TEST_F(TruthPlantTest, TruthBiasesAreWhatTheIncrementsShow) {
+    make_perfect(plant_.parameters);
+    TruthPlant biased(log_);
+    biased.parameters = plant_.parameters;
+    biased.parameters.imu.gyro.bias_sigma = 1e-5;
+    biased.parameters.imu.gyro.markov_sigma = 1e-5;
+    biased.parameters.imu.accelerometer.bias_sigma = 1e-2;
+    biased.parameters.imu.accelerometer.markov_sigma = 1e-2;
+    plant_.initialise(0.0);
+    biased.initialise(0.0);
+    for (int k = 0; k < 100; ++k) {
+        run(plant_, k, k + 1);
+        run(biased, k, k + 1);
+        const Eigen::Vector3d gyro =
+            100.0 * (biased.outputs.imu.delta_angle - plant_.outputs.imu.delta_angle);
+        const Eigen::Vector3d accelerometer =
+            100.0 * (biased.outputs.imu.delta_velocity - plant_.outputs.imu.delta_velocity);
+        ASSERT_LT((gyro - biased.outputs.truth.gyro_bias).norm(), 1e-15);
+        ASSERT_LT((accelerometer - biased.outputs.truth.accelerometer_bias).norm(), 1e-12);
+    }
+}
+
+// ---------------------------------------------------------------- GNSS
+
+TEST_F(TruthPlantTest, FixesComeEveryPeriodFromTheFirstOn) {
+    make_perfect(plant_.parameters);
+    plant_.initialise(0.0);
+    run(plant_, 0, 99);
+    EXPECT_EQ(plant_.outputs.gnss.sample, 0);
+    run(plant_, 99, 100);
+    EXPECT_EQ(plant_.outputs.gnss.sample, 1);
+    EXPECT_EQ(plant_.outputs.gnss.time, 1.0);
+    EXPECT_EQ(plant_.outputs.gnss.latitude, plant_.outputs.truth.latitude);
+    EXPECT_EQ(plant_.outputs.gnss.velocity, plant_.outputs.truth.velocity);
+    run(plant_, 100, 350);
+    EXPECT_EQ(plant_.outputs.gnss.sample, 3);
+    EXPECT_EQ(plant_.outputs.gnss.time, 3.0);
+}
+
+TEST_F(TruthPlantTest, OfSeveralFixesInAStepTheLastIsPutOutAndAllAreCounted) {
+    plant_.initialise(0.0);
+    plant_.step(0.0, 3.5);
+    EXPECT_EQ(plant_.outputs.gnss.sample, 3);
+    EXPECT_EQ(plant_.outputs.gnss.time, 3.0);
+    EXPECT_EQ(plant_.outputs.imu.sample, 1);
+}
+
+TEST_F(TruthPlantTest, ALateFixIsTheSameFix) {
+    TruthPlant late(log_);
+    late.parameters.gnss.latency = 0.123;  // appears with the first sample at or after 0.123 s
+    plant_.initialise(0.0);
+    late.initialise(0.0);
+    run(plant_, 0, 100);
+    run(late, 0, 112);
+    EXPECT_EQ(late.outputs.gnss.sample, 0);
+    run(late, 112, 113);
+    EXPECT_EQ(late.outputs.gnss.sample, 1);
+    EXPECT_EQ(late.outputs.gnss.time, 1.0);
+    EXPECT_EQ(late.outputs.gnss.latitude, plant_.outputs.gnss.latitude);
+    EXPECT_EQ(late.outputs.gnss.velocity, plant_.outputs.gnss.velocity);
+}
+
+TEST_F(TruthPlantTest, MoreThanAPeriodOfLatencyKeepsFixesUnderWay) {
+    plant_.parameters.gnss.rate = 10.0;
+    plant_.parameters.gnss.latency = 3.1;  // the most that is allowed
+    plant_.initialise(0.0);
+    for (int k = 0; k < 1000; ++k) {
+        run(plant_, k, k + 1);
+        const int fixes = std::max(0, (k + 1 - 310) / 10);
+        ASSERT_EQ(plant_.outputs.gnss.sample, fixes) << "after sample " << k + 1;
+        ASSERT_EQ(plant_.outputs.gnss.time, fixes / 10.0);
+    }
+}
+
+TEST_F(TruthPlantTest, AnOutageLosesFixesAndLeavesTheOthersAsTheyWere) {
+    TruthPlant dark(log_);
+    dark.parameters.gnss.outage.begin[0] = 3.0;
+    dark.parameters.gnss.outage.end[0] = 6.0;
+    plant_.initialise(0.0);
+    dark.initialise(0.0);
+    run(plant_, 0, 550);
+    run(dark, 0, 550);
+    EXPECT_EQ(plant_.outputs.gnss.sample, 5);
+    EXPECT_EQ(dark.outputs.gnss.sample, 2);
+    EXPECT_EQ(dark.outputs.gnss.time, 2.0);
+    EXPECT_EQ(log_.lines,
+              (std::vector<std::string>{"fix at 3 s lost: gnss.outage", "fix at 4 s lost: gnss.outage",
+                                        "fix at 5 s lost: gnss.outage"}));
+    run(plant_, 550, 600);
+    run(dark, 550, 600);
+    EXPECT_EQ(dark.outputs.gnss.sample, 3);
+    EXPECT_EQ(dark.outputs.gnss.velocity, plant_.outputs.gnss.velocity);
+    EXPECT_EQ(dark.outputs.gnss.longitude, plant_.outputs.gnss.longitude);
+}
+
+TEST_F(TruthPlantTest, TheAntennaIsAtTheEndOfTheLeverArm) {
+    Parameters& parameters = plant_.parameters;
+    make_perfect(parameters);
+    parameters.gnss.lever_arm = {0.0, 0.0, 20.0};
+    parameters.motion.sway.amplitude = {0.1, 0.0, 0.0};
+    plant_.initialise(0.0);
+    run(plant_, 0, 100);
+    const auto& truth = plant_.outputs.truth;
+    const auto& gnss = plant_.outputs.gnss;
+    const Eigen::Vector3d offset = earth::displacement({truth.latitude, truth.longitude, truth.height},
+                                                       {gnss.latitude, gnss.longitude, gnss.height});
+    EXPECT_LT((offset - 20.0 * Eigen::Vector3d(std::sin(truth.roll), 0.0, std::cos(truth.roll))).norm(),
+              1e-6);
+    const double omega = 2.0 * std::numbers::pi / 8.0;
+    const double roll_rate = 0.1 * omega * std::cos(omega * 1.0 + 0.3);
+    const Eigen::Vector3d swing =
+        20.0 * roll_rate * Eigen::Vector3d(std::cos(truth.roll), 0.0, -std::sin(truth.roll));
+    EXPECT_LT((gnss.velocity - truth.velocity - swing).norm(), 1e-4);  // the transport rate is 2e-6 rad/s
+}
+
+// ---------------------------------------------------------------- determinism
+
+TEST_F(TruthPlantTest, LongerStepsSumTheSameSignals) {
+    for (const int periods : {2, 5, 10}) {
+        TruthPlant fine(log_);
+        TruthPlant coarse(log_);
+        switch_everything_on(fine.parameters);
+        switch_everything_on(coarse.parameters);
+        fine.initialise(0.0);
+        coarse.initialise(0.0);
+        for (int k = 0; k < 600; k += periods) {
+            Eigen::Vector3d angle = Eigen::Vector3d::Zero();
+            Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+            for (int i = k; i < k + periods; ++i) {
+                run(fine, i, i + 1);
+                angle += fine.outputs.imu.delta_angle;
+                velocity += fine.outputs.imu.delta_velocity;
+            }
+            run(coarse, k, k + periods, periods);
+            ASSERT_LT((coarse.outputs.imu.delta_angle - angle).norm(), 1e-15);
+            ASSERT_LT((coarse.outputs.imu.delta_velocity - velocity).norm(), 1e-14);
+            Outputs rest = fine.outputs;
+            rest.imu = coarse.outputs.imu;
+            ASSERT_EQ(bytes(rest), bytes(coarse.outputs));
+            ASSERT_EQ(fine.outputs.imu.time, coarse.outputs.imu.time);
+        }
+    }
+}
+
+TEST_F(TruthPlantTest, ARestoredPlantContinuesToTheBit) {
+    for (const MotionKind kind : {MotionKind::ship, MotionKind::parked_vehicle}) {
+        TruthPlant original(log_);
+        switch_everything_on(original.parameters);
+        original.parameters.motion.kind = kind;
+        original.initialise(0.0);
+        run(original, 0, 237);  // two fixes are under way
+        std::stringstream stream;
+        cereal::BinaryOutputArchive{stream}(original);
+
+        TruthPlant restored(log_);
+        cereal::BinaryInputArchive{stream}(restored);
+        EXPECT_EQ(bytes(restored.outputs), bytes(original.outputs));
+        for (int k = 237; k < 600; ++k) {
+            run(original, k, k + 1);
+            run(restored, k, k + 1);
+            ASSERT_EQ(bytes(restored.outputs), bytes(original.outputs)) << "sample " << k + 1;
+        }
+    }
+}
+
+TEST_F(TruthPlantTest, APlantThatWasNotInitialisedIsRestoredAsSuch) {
+    plant_.parameters.imu.rate = 0.0;
+    std::stringstream stream;
+    cereal::BinaryOutputArchive{stream}(plant_);
+    TruthPlant restored(log_);
+    restored.initialise(0.0);
+    cereal::BinaryInputArchive{stream}(restored);
+    EXPECT_EQ(restored.parameters.imu.rate, 0.0);
+    EXPECT_THROW(restored.step(0.0, 0.01), std::logic_error);
+}
+
+TEST_F(TruthPlantTest, InitialisedAgainItRunsAgain) {
+    switch_everything_on(plant_.parameters);
+    plant_.initialise(0.0);
+    run(plant_, 0, 500);
+    const std::string first = bytes(plant_.outputs);
+    plant_.initialise(0.0);
+    run(plant_, 0, 500);
+    EXPECT_EQ(bytes(plant_.outputs), first);
+}
+
+TEST_F(TruthPlantTest, AnotherSeedGivesOtherNoiseOnTheSameMotion) {
+    TruthPlant other(log_);
+    other.parameters.seed = 2;
+    plant_.initialise(0.0);
+    other.initialise(0.0);
+    run(plant_, 0, 100);
+    run(other, 0, 100);
+    EXPECT_EQ(plant_.outputs.truth.velocity, other.outputs.truth.velocity);
+    EXPECT_NE(plant_.outputs.truth.gyro_bias, other.outputs.truth.gyro_bias);
+    EXPECT_NE(plant_.outputs.imu.delta_angle, other.outputs.imu.delta_angle);
+    EXPECT_NE(plant_.outputs.gnss.velocity, other.outputs.gnss.velocity);
+}
+
+TEST_F(TruthPlantTest, SwitchingOffTheGyroNoiseChangesNothingElse) {
+    TruthPlant quiet(log_);
+    switch_everything_on(plant_.parameters);
+    switch_everything_on(quiet.parameters);
+    quiet.parameters.imu.gyro.white_noise = 0.0;
+    plant_.initialise(0.0);
+    quiet.initialise(0.0);
+    for (int k = 0; k < 500; ++k) {
+        run(plant_, k, k + 1);
+        run(quiet, k, k + 1);
+        Outputs rest = quiet.outputs;
+        rest.imu.delta_angle = plant_.outputs.imu.delta_angle;
+        ASSERT_EQ(bytes(rest), bytes(plant_.outputs));
+    }
+    EXPECT_NE(quiet.outputs.imu.delta_angle, plant_.outputs.imu.delta_angle);
+}
+
+TEST_F(TruthPlantTest, NoiseLevelsCanBeTunedBetweenSteps) {
+    TruthPlant tuned(log_);
+    make_perfect(plant_.parameters);
+    make_perfect(tuned.parameters);
+    plant_.initialise(0.0);
+    tuned.initialise(0.0);
+    run(plant_, 0, 150);
+    run(tuned, 0, 150);
+    tuned.parameters.gnss.velocity_sigma.setConstant(1.0);
+    tuned.parameters.imu.gyro.white_noise = 1e-3;
+    tuned.retune();
+    run(plant_, 150, 200);
+    run(tuned, 150, 200);
+    EXPECT_EQ(tuned.outputs.truth.velocity, plant_.outputs.truth.velocity);
+    EXPECT_NE(tuned.outputs.gnss.velocity, plant_.outputs.gnss.velocity);
+    EXPECT_NE(tuned.outputs.imu.delta_angle, plant_.outputs.imu.delta_angle);
+    EXPECT_EQ(tuned.outputs.imu.delta_velocity, plant_.outputs.imu.delta_velocity);
+
+    tuned.parameters.imu.gyro.white_noise = -1.0;
+    EXPECT_THROW(tuned.retune(), InvalidParameter);
+}
+
+// ---------------------------------------------------------------- what is refused
+
+std::string refusal(const std::function<void()>& action) {
+    try {
+        action();
+    } catch (const std::exception& error) {
+        return error.what();
+    }
+    return "nothing was refused";
+}
+
+TEST_F(TruthPlantTest, RefusesStepsThatAreNoWholeNumberOfImuPeriods) {
+    plant_.initialise(0.0);
+    EXPECT_EQ(
+        refusal([&] { plant_.step(0.0, 0.015); }),
+        "communication step of 0.015 s: must be a whole number of IMU periods of 0.01 s (imu.rate = 100)");
+    EXPECT_THROW(plant_.step(0.0, 0.0), std::invalid_argument);
+    EXPECT_THROW(plant_.step(0.0, -0.01), std::invalid_argument);
+    EXPECT_THROW(plant_.step(0.0, std::nan("")), std::invalid_argument);
+    EXPECT_EQ(plant_.outputs.imu.sample, 0);
+}
+
+TEST_F(TruthPlantTest, RefusesStepsFromAnotherTime) {
+    plant_.initialise(2.0);
+    plant_.step(2.0, 0.01);
+    EXPECT_EQ(refusal([&] { plant_.step(2.0, 0.01); }),
+              "communication step from 2 s: the plant is at 2.01 s");
+}
+
+TEST_F(TruthPlantTest, AcceptsTimesThatAMasterSummedUp) {
+    plant_.initialise(0.0);
+    double time = 0.0;
+    for (int k = 0; k < 100000; ++k) {
+        plant_.step(time, 0.01);
+        time += 0.01;
+    }
+    EXPECT_EQ(plant_.outputs.imu.time, 1000.0);
+}
+
+TEST_F(TruthPlantTest, RefusesParametersWithASentence) {
+    const std::vector<std::pair<std::function<void(Parameters&)>, std::string>> cases{
+        {[](Parameters& p) { p.imu.rate = 0.0; }, "imu.rate = 0: must be greater than 0"},
+        {[](Parameters& p) { p.motion.latitude = 1.6; }, "motion.latitude = 1.6: must be at most 1.57"},
+        {[](Parameters& p) { p.gnss.rate = 3.0; },
+         "gnss.rate = 3: must be imu.rate (100) divided by a whole number"},
+        {[](Parameters& p) {
+             p.imu.rate = 0.5;
+             p.motion.sway.period.setConstant(100.0);
+         },
+         "gnss.rate = 1: must be imu.rate (0.5) divided by a whole number"},
+        {[](Parameters& p) { p.gnss.latency = 40.0; },
+         "gnss.latency = 40: must be at most 31 periods of gnss.rate (31)"},
+        {[](Parameters& p) { p.gnss.outage.begin[2] = 5.0; },
+         "gnss.outage.end[3] = 0: must be at least gnss.outage.begin[3] (5)"},
+        {[](Parameters& p) { p.gnss.noise_scale.step.end = 1.0; },
+         "gnss.noise_scale.step.end = 1: must be at least gnss.noise_scale.step.begin (600)"},
+        {[](Parameters& p) { p.gnss.noise_scale.sine.end = 1.0; },
+         "gnss.noise_scale.sine.end = 1: must be at least gnss.noise_scale.sine.begin (2400)"},
+        {[](Parameters& p) {
+             p.imu.rate = 10.0;
+             p.motion.sway.period[1] = 0.2;
+         },
+         "motion.sway.period[2] = 0.2: must be greater than two IMU periods (0.2)"},
+        {[](Parameters& p) {
+             p.imu.rate = 10.0;
+             p.motion.wave.velocity[2] = 1.0;
+             p.motion.wave.period[2] = 0.1;
+         },
+         "motion.wave.period[3] = 0.1: must be greater than two IMU periods (0.2)"},
+        {[](Parameters& p) {
+             p.motion.kind = MotionKind::parked_vehicle;
+             p.motion.vibration.frequency[0] = 50.0;
+         },
+         "motion.vibration.frequency[1] = 50: must be less than half of imu.rate (50)"},
+    };
+    for (const auto& [change, sentence] : cases) {
+        TruthPlant plant(log_);
+        change(plant.parameters);
+        EXPECT_THROW(
+            {
+                try {
+                    plant.initialise(0.0);
+                } catch (const InvalidParameter& error) {
+                    EXPECT_EQ(error.what(), sentence);
+                    throw;
+                }
+            },
+            InvalidParameter)
+            << sentence;
+    }
+}
+
+TEST_F(TruthPlantTest, OscillationsThatAreOffMayHaveAnyPeriod) {
+    plant_.parameters.imu.rate = 1.0;
+    plant_.parameters.motion.sway.amplitude.setZero();
+    plant_.parameters.motion.sway.period.setConstant(0.1);
+    EXPECT_NO_THROW(plant_.initialise(0.0));
+}
+
+}  // namespace
+}  // namespace truenorth
