@@ -1,5 +1,6 @@
 #include "inertial/attitude.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -7,7 +8,8 @@ namespace truenorth {
 
 double wrap_angle(double angle) {
     constexpr double turn = 2.0 * std::numbers::pi;
-    return angle - turn * std::floor((angle + std::numbers::pi) / turn);
+    // Just below an odd multiple of pi, rounding may take one turn too many.
+    return std::max(angle - turn * std::floor((angle + std::numbers::pi) / turn), -std::numbers::pi);
 }
 
 Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
@@ -29,9 +31,10 @@ Eigen::Matrix3d dcm(const EulerAngles& angles) {
 EulerAngles euler_angles(const Eigen::Matrix3d& C_bn) {
     // Third row of C_bn: (-cos p sin r, sin p, cos p cos r); second column: (sin h cos p, cos h cos p, sin
     // p).
-    const double heading = std::atan2(C_bn(0, 1), C_bn(1, 1));
+    double heading = std::atan2(C_bn(0, 1), C_bn(1, 1));
+    if (heading < 0.0) heading += 2.0 * std::numbers::pi;
     return {std::atan2(-C_bn(2, 0), C_bn(2, 2)), std::atan2(C_bn(2, 1), std::hypot(C_bn(2, 0), C_bn(2, 2))),
-            heading < 0.0 ? heading + 2.0 * std::numbers::pi : heading};
+            heading < 2.0 * std::numbers::pi ? heading : 0.0};  // a tiny negative one has become a whole turn
 }
 
 Eigen::Quaterniond quaternion(const Eigen::Vector3d& rotation_vector) {
