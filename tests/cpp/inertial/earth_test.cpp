@@ -1,0 +1,137 @@
+#include "inertial/earth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "inertial/ecef.hpp"
+
+namespace truenorth::earth {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+std::vector<Position> places() {
+    return {{0.0, 0.0, 0.0},
+            {32.0 * kDegree, 118.0 * kDegree, 20.0},
+            {-45.0 * kDegree, -70.0 * kDegree, 5000.0},
+            {80.0 * kDegree, 179.0 * kDegree, 11000.0},
+            {-66.0 * kDegree, -179.5 * kDegree, -300.0}};
+}
+
+const Eigen::Vector3d kVelocity(120.0, -80.0, 15.0);
+
+TEST(Gravity, HasThePublishedValuesOnTheEllipsoid) {
+    EXPECT_NEAR(gravity(0.0, 0.0), 9.780325, 5e-7);
+    EXPECT_NEAR(gravity(45.0 * kDegree, 0.0), 9.806198, 5e-7);
+    EXPECT_NEAR(gravity(90.0 * kDegree, 0.0), 9.832185, 5e-7);
+    EXPECT_NEAR(gravity(-90.0 * kDegree, 0.0), 9.832185, 5e-7);
+}
+
+TEST(Gravity, FallsWithHeightByTheFreeAirGradient) {
+    // GRS 80 and WGS-84: (0.30877 - 0.00043 sin^2 L) mGal/m - 0.72e-7 h mGal/m^2 (Torge, Geodesy,
+    // section 4.2).
+    for (const double latitude : {0.0, 45.0 * kDegree, 90.0 * kDegree}) {
+        const double s2 = std::sin(latitude) * std::sin(latitude);
+        for (const double h : {-500.0, 1000.0, 10000.0}) {
+            const double fall = (3.0877e-6 - 4.3e-9 * s2) * h - 0.72e-12 * h * h;
+            // Five published digits of the gradient, two of the second-order term.
+            EXPECT_NEAR(gravity(latitude, 0.0) - gravity(latitude, h), fall,
+                        2e-10 * std::abs(h) + 0.01e-12 * h * h);
+        }
+    }
+}
+
+TEST(Radii, HaveThePublishedValues) {
+    EXPECT_NEAR(radii(0.0).meridian, 6335439.327, 1e-3);
+    EXPECT_NEAR(radii(0.0).prime_vertical, 6378137.0, 1e-3);
+    EXPECT_NEAR(radii(90.0 * kDegree).meridian, 6399593.626, 1e-3);
+    EXPECT_NEAR(radii(90.0 * kDegree).prime_vertical, 6399593.626, 1e-3);
+}
+
+TEST(Radii, AreTheDerivativesOfEarthCentredCoordinates) {
+    const double h = 1e-4;
+    for (const Position& p : places()) {
+        const Eigen::Vector3d north = (ecef::coordinates({p.latitude + h, p.longitude, 0.0}) -
+                                       ecef::coordinates({p.latitude - h, p.longitude, 0.0})) /
+                                      (2.0 * h);
+        EXPECT_NEAR(radii(p.latitude).meridian, north.norm(), 0.02);  // h^2 R / 6
+        const Eigen::Vector3d surface = ecef::coordinates({p.latitude, p.longitude, 0.0});
+        EXPECT_NEAR(radii(p.latitude).prime_vertical * std::cos(p.latitude), surface.head<2>().norm(), 1e-6);
+    }
+}
+
+TEST(EarthRate, IsTheEarthAxisResolvedInEastNorthUp) {
+    for (const Position& p : places()) {
+        const Eigen::Vector3d expected = ecef::axes(p).transpose() * Eigen::Vector3d(0.0, 0.0, 7.292115e-5);
+        EXPECT_LT((rate(p.latitude) - expected).norm(), 1e-19);
+    }
+}
+
+TEST(PositionRate, MovesTheEarthCentredPointAtTheVelocity) {
+    const double t = 0.01;
+    for (const Position& p : places()) {
+        const Eigen::Vector3d rate = position_rate(p, kVelocity);
+        const Eigen::Vector3d moved =
+            (ecef::coordinates(ecef::moved(p, rate, t)) - ecef::coordinates(ecef::moved(p, rate, -t))) /
+            (2.0 * t);
+        EXPECT_LT((moved - ecef::axes(p) * kVelocity).norm(), 1e-6);  // rounding of 6e6 m over 0.02 s
+    }
+}
+
+TEST(TransportRate, TurnsTheLocalAxes) {
+    const double t = 0.1;
+    for (const Position& p : places()) {
+        const Eigen::Vector3d rate = position_rate(p, kVelocity);
+        const Eigen::Matrix3d turn =
+            (ecef::axes(ecef::moved(p, rate, t)) - ecef::axes(ecef::moved(p, rate, -t))) / (2.0 * t);
+        const Eigen::Matrix3d skew = ecef::axes(p).transpose() * turn;  // [w_en^n x]
+        const Eigen::Vector3d expected(skew(2, 1), skew(0, 2), skew(1, 0));
+        EXPECT_LT((transport_rate(p, kVelocity) - expected).norm(), 1e-14);  // of 1e-5 to 1e-4
+    }
+}
+
+TEST(TransportRate, OfAVehicleAtRestIsZero) {
+    EXPECT_EQ(transport_rate({0.5, 1.0, 100.0}, Eigen::Vector3d::Zero()), Eigen::Vector3d::Zero());
+}
+
+TEST(Displaced, MovesTheEarthCentredPointByTheDisplacement) {
+    const Eigen::Vector3d step(3.0, -4.0, 2.0);
+    for (const Position& p : places()) {
+        const Eigen::Vector3d moved = ecef::coordinates(displaced(p, step)) - ecef::coordinates(p);
+        // Second order: 5 m squared over the radius, times tan 80 deg.
+        EXPECT_LT((moved - ecef::axes(p) * step).norm(), 25.0 / 6.3e6 * 6.0);
+    }
+}
+
+TEST(Displacement, UndoesDisplaced) {
+    const Eigen::Vector3d step(30.0, -40.0, 2.0);
+    for (const Position& p : places()) {
+        EXPECT_LT((displacement(p, displaced(p, step)) - step).norm(), 2e-8);
+    }
+}
+
+TEST(Displacement, IsShortAcrossTheDateLine) {
+    const double near_line = std::numbers::pi - 1e-6;
+    const Eigen::Vector3d east = displacement({0.3, near_line, 0.0}, {0.3, -near_line, 0.0});
+    const double arc = 2e-6 * radii(0.3).prime_vertical * std::cos(0.3);
+    EXPECT_NEAR(east.x(), arc, 1e-6);
+    EXPECT_NEAR(displacement({0.3, -near_line, 0.0}, {0.3, near_line, 0.0}).x(), -arc, 1e-6);
+}
+
+TEST(Displaced, WrapsTheLongitudeAtTheDateLine) {
+    for (const double side : {1.0, -1.0}) {
+        const Position from{0.3, side * (std::numbers::pi - 1e-6), 0.0};
+        const Eigen::Vector3d step(side * 20.0, 5.0, 1.0);
+        const Position to = displaced(from, step);
+        EXPECT_LT(side * to.longitude, 0.0);
+        EXPECT_LT(std::abs(to.longitude), std::numbers::pi);
+        EXPECT_LT((displacement(from, to) - step).norm(), 2e-8);
+    }
+}
+
+}  // namespace
+}  // namespace truenorth::earth
