@@ -3,6 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <string>
+
+#include "components/invalid_parameter.hpp"
 
 namespace truenorth {
 
@@ -70,6 +73,10 @@ void AlignmentFilter::retune() { configure(); }
 void AlignmentFilter::configure() {
     validate(parameters);
     const auto& p = parameters;
+    if (p.robust.heading_sigma > 0.0 && p.robust.heading_sigma < p.prior.heading_sigma) {
+        throw InvalidParameter(text("robust.heading_sigma = ", p.robust.heading_sigma,
+                                    ": must be 0 or at least prior.heading_sigma = ", p.prior.heading_sigma));
+    }
 
     Model& model = estimator_.model;
     // The enumerations of the interface count from 1, in the order of the model's own.
@@ -238,18 +245,22 @@ RobustCorrection<LargeAzimuth::kStates, LargeAzimuth::kMeasurements> AlignmentFi
     }
     using alignment_filter::RobustScaling;
     const auto& robust = parameters.robust;
-    HInfinity<Model::kStates> corrector{.gamma = robust.gamma};
+    Vector<Model::kStates> sigma = prior_sigma_;
+    if (robust.heading_sigma > 0.0) {
+        sigma(Model::kPhiUp) = robust.heading_sigma;
+    }
+    HInfinity<Model::kStates> corrector;
+    corrector.gamma = robust.gamma;
     switch (robust.scaling) {
         case RobustScaling::printed:
             corrector.scale.setOnes();
             break;
         case RobustScaling::rate_invariant:
-            corrector.scale =
-                std::sqrt((imu_.time() - last_use_) / robust.horizon) * prior_sigma_.cwiseInverse();
+            corrector.scale = std::sqrt((imu_.time() - last_use_) / robust.horizon) * sigma.cwiseInverse();
             break;
         case RobustScaling::ceiling:
-            corrector.scale = prior_sigma_.cwiseInverse();
-            corrector.ceiling = robust.ceiling;
+            corrector.scale = sigma.cwiseInverse();
+            corrector.ceiling = {sigma, robust.ceiling};
             break;
     }
     if (robust.states == alignment_filter::RobustStates::heading) {

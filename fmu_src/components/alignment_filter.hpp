@@ -12,6 +12,7 @@
 #include "components/gnss_input.hpp"
 #include "components/imu_input.hpp"
 #include "components/log.hpp"
+#include "components/serialisation.hpp"
 #include "error_models/large_azimuth.hpp"
 #include "estimation/estimator.hpp"
 #include "estimation/h_infinity.hpp"
@@ -40,7 +41,9 @@ class AlignmentFilter {
     void serialize(Archive& archive) {
         archive(parameters, inputs, outputs, imu_, gnss_, mechanisation_, average_, history_, estimator_,
                 gyro_bias_, accelerometer_bias_, fed_back_, last_use_, below_since_, faulted_);
-        configure();
+        if constexpr (Archive::is_loading::value) {
+            configure();
+        }
     }
 
   private:

@@ -7,18 +7,13 @@
 //
 // which is Zhou 2011 eq. 11 (with eqs. 8-9 inserted) by the matrix inversion lemma; in the paper R = I and
 // the process noise is Gamma Gamma^T because its system is noise-normalised, here R and Q keep their units.
-// With L diagonal and L P_post L = U diag(lambda) U^T,
-//
-//     P_k = P_post + P_post L U diag(1 / (gamma^2 - lambda_i)) U^T L P_post,
-//
-// feasible while every lambda_i < gamma^2. In the coordinates of L the update turns the eigenvalue lambda
-// into lambda / (1 - lambda / gamma^2).
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 
 #include "estimation/gaussian.hpp"
 #include "estimation/standard.hpp"
@@ -28,50 +23,75 @@ namespace truenorth {
 template <int N, int M>
 struct RobustCorrection : Correction<N, M> {
     double gamma_effective = 0.0;  // the gamma that was used
-    bool feasible = true;          // false: robust.gamma was infeasible and the update backed off
+    bool feasible = true;          // false: gamma was infeasible and the update backed off
 };
 
 template <int N>
-struct HInfinity {
-    static constexpr double kNoCeiling = std::numeric_limits<double>::infinity();
-    // Back-off keeps the largest lambda / gamma^2 at this value, so that no eigenvalue grows more than
-    // tenfold.
+class HInfinity {
+  public:
+    // Bounds what an update may forget: no eigenvalue of the posterior, in units of `sigma`, grows beyond
+    // `limit`.
+    struct Ceiling {
+        Vector<N> sigma;
+        double limit;
+    };
+
+    // Back-off keeps the largest eigenvalue of L P_post L / gamma^2 at this value, so that none grows more
+    // than tenfold in one update.
     static constexpr double kLargestRatio = 0.9;
 
     double gamma = 2.0;
     Vector<N> scale = Vector<N>::Ones();  // the diagonal of L; 0 leaves a state out
-    double ceiling = kNoCeiling;  // inflated eigenvalues are clipped here (never below the eigenvalue)
+    std::optional<Ceiling> ceiling = std::nullopt;
 
     template <int M>
     RobustCorrection<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
         RobustCorrection<N, M> result{Standard().correct(prior, innovation), gamma, true};
-        Matrix<N>& posterior = result.covariance;
-
-        const Matrix<N> scaled = scale.asDiagonal() * posterior * scale.asDiagonal();
-        const Eigen::SelfAdjointEigenSolver<Matrix<N>> eigen(scaled);
-        const Vector<N>& lambda = eigen.eigenvalues();
-
-        double gamma2 = gamma * gamma;
-        if (ceiling == kNoCeiling && lambda.maxCoeff() > kLargestRatio * gamma2) {
-            gamma2 = lambda.maxCoeff() / kLargestRatio;
-            result.gamma_effective = std::sqrt(gamma2);
-            result.feasible = false;
+        if (ceiling) {
+            result.feasible = forget_below_ceiling(result.covariance);
+        } else {
+            result.gamma_effective = forget(result.covariance);
+            result.feasible = result.gamma_effective == gamma;
         }
-        const Vector<N> growth = lambda.unaryExpr([&](double l) { return inflation(l, gamma2); });
-        const Matrix<N> projection = posterior * scale.asDiagonal() * eigen.eigenvectors();
-        posterior += projection * growth.asDiagonal() * projection.transpose();
-        symmetrise(posterior);
+        symmetrise(result.covariance);
         return result;
     }
 
   private:
-    // (inflated - lambda) / lambda^2, which is 1 / (gamma^2 - lambda) where the ceiling does not bind.
-    [[nodiscard]] double inflation(double lambda, double gamma2) const {
-        const bool feasible = lambda < gamma2;
-        if (feasible && lambda * gamma2 <= ceiling * (gamma2 - lambda)) {
-            return 1.0 / (gamma2 - lambda);
+    // With L P_post L = U diag(lambda) U^T,
+    //     P_k = P_post + P_post L U diag(1 / (gamma^2 - lambda_i)) U^T L P_post,
+    // feasible while every lambda_i < gamma^2. Returns the gamma that was used.
+    double forget(Matrix<N>& posterior) const {
+        const Matrix<N> scaled = scale.asDiagonal() * posterior * scale.asDiagonal();
+        const Eigen::SelfAdjointEigenSolver<Matrix<N>> eigen(scaled);
+        const Vector<N>& lambda = eigen.eigenvalues();
+        const double least = std::sqrt(std::max(lambda.maxCoeff(), 0.0) / kLargestRatio);
+        const double used = std::max(gamma, least);
+
+        const Vector<N> growth = (used * used - lambda.array()).inverse();
+        const Matrix<N> projection = posterior * scale.asDiagonal() * eigen.eigenvectors();
+        posterior += projection * growth.asDiagonal() * projection.transpose();
+        return used;
+    }
+
+    // The information matrix in units of sigma, J = S (P_post^-1 - gamma^-2 L^T L) S, keeps every eigenvalue
+    // above 1 / limit: feasible for any gamma. Returns false, and changes nothing, if P_post has no inverse.
+    bool forget_below_ceiling(Matrix<N>& posterior) const {
+        const Vector<N>& sigma = ceiling->sigma;
+        const Vector<N> inverse = sigma.cwiseInverse();
+        const Eigen::LLT<Matrix<N>> normalised(inverse.asDiagonal() * posterior * inverse.asDiagonal());
+        if (normalised.info() != Eigen::Success) {
+            return false;
         }
-        return std::max(ceiling - lambda, 0.0) / (lambda * lambda);
+        const Matrix<N> information = normalised.solve(Matrix<N>::Identity());
+        Matrix<N> J = information;
+        J.diagonal() -= scale.cwiseProduct(sigma).cwiseAbs2() / (gamma * gamma);
+        symmetrise(J);
+        const Eigen::SelfAdjointEigenSolver<Matrix<N>> eigen(J);
+        const Vector<N> variance = eigen.eigenvalues().cwiseMax(1.0 / ceiling->limit).cwiseInverse();
+        const Matrix<N> axes = sigma.asDiagonal() * eigen.eigenvectors();
+        posterior = axes * variance.asDiagonal() * axes.transpose();
+        return true;
     }
 };
 
