@@ -1,0 +1,73 @@
+# TrueNorth: every command of the project. `make help` lists them.
+.DEFAULT_GOAL := help
+.PHONY: help run test fmus bench bands lint format test-cpp test-python clean
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/.ready
+JOBS   ?= 2
+SEEDS  ?= 50
+
+# Tools of the environment first (cmake, ninja, clang-tidy), whatever the machine has besides.
+export PATH := $(CURDIR)/$(BIN):$(PATH)
+
+CPP_SOURCES  = $(shell git ls-files 'fmu_src/*.cpp' 'tests/cpp/*.cpp')
+CPP_FILES    = $(CPP_SOURCES) $(shell git ls-files 'fmu_src/*.hpp' 'tests/cpp/*.hpp')
+
+help:  ## List the commands
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+run: fmus  ## Align the swaying ship, print the verdict and where the report lies
+	@truenorth run swaying_ship --output build/reports/swaying_ship
+
+test: lint test-cpp test-python  ## All set-up, then every check: lint, types, C++, Python, FMUs
+
+$(READY): pyproject.toml
+	@echo "== Environment: $(VENV)"
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "TrueNorth needs Python >= 3.10, found " + sys.version)'
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check 'scikit-build-core>=0.10'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation \
+	    --config-settings=wheel.cmake=false --editable '.[dev]'
+	@touch $@
+
+fmus: $(READY)  ## Build the FMUs into build/fmus
+	@echo "== Building the FMUs"
+	@mkdir -p build
+	@cmake --preset native -DPython_EXECUTABLE=$(CURDIR)/$(BIN)/python > build/configure.log 2>&1 \
+	    || { cat build/configure.log; exit 1; }
+	@cmake --build --preset native --parallel $(JOBS)
+
+lint: fmus  ## Formatting, clang-tidy, ruff, mypy
+	@echo "== Lint: clang-format"
+	@clang-format --dry-run --Werror $(CPP_FILES)
+	@echo "== Lint: clang-tidy"
+	@printf '%s\n' $(CPP_SOURCES) | xargs -P $(JOBS) -n 4 clang-tidy --quiet -p build/native
+	@echo "== Lint: ruff, mypy"
+	@ruff check --quiet .
+	@ruff format --check --quiet .
+	@mypy
+
+format: $(READY)  ## Reformat every source file
+	@clang-format -i $(CPP_FILES)
+	@ruff format .
+	@ruff check --fix .
+
+test-cpp: fmus  ## C++ tests
+	@echo "== C++ tests"
+	@ctest --preset native --parallel $(JOBS) --quiet
+
+test-python: fmus  ## Python and FMU tests
+	@echo "== Python and FMU tests"
+	@python -m pytest -n $(JOBS)
+
+bench: fmus  ## Time per filter step, per fmi2DoStep, and of a whole run
+	@build/native/tests/cpp/bench_filter
+	@python -m sim_scenarios.benchmark
+
+bands: fmus  ## Monte-Carlo check of the accuracy bands (SEEDS=50; several minutes)
+	@python -m sim_scenarios.bands -n $(SEEDS)
+
+clean:  ## Remove everything generated, the environment excepted
+	@rm -rf build
