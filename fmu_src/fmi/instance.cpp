@@ -200,11 +200,11 @@ State* Instance::find(const State* state) const {
 State* Instance::save(State* overwritten) {
     State* const reused = overwritten == nullptr ? nullptr : find(overwritten);
     std::ostringstream stream;
+    model_->save(stream);
     {
         cereal::BinaryOutputArchive archive(stream);
         serialize_progress(archive);
     }
-    model_->save(stream);
     std::string bytes = pack(fmu_.identity, stream.str());
     if (reused == nullptr) return keep(std::move(bytes));
     *reused = State(std::move(bytes));
@@ -219,11 +219,9 @@ State* Instance::import_state(std::span<const char> bytes) {
 void Instance::restore(const State* state) {
     std::istringstream stream(unpack(fmu_.identity, find(state)->bytes()));
     auto model = fmu_.make_model(journal_);
-    {
-        cereal::BinaryInputArchive archive(stream);
-        serialize_progress(archive);
-    }
     model->load(stream);
+    cereal::BinaryInputArchive archive(stream);
+    serialize_progress(archive);
     model_ = std::move(model);
 }
 
