@@ -11,14 +11,16 @@ Whatever the command `truenorth` does is one function call here::
 
 from sim_scenarios.errors import BadInput, SimulationError
 from sim_scenarios.metrics import Verdict, judge
+from sim_scenarios.recorded_imu import Start, ZeroVelocity, replay
 from sim_scenarios.recording import load, save
-from sim_scenarios.replay import replay
 from sim_scenarios.simulation import bound, compare, run
 
 __all__ = [
     "BadInput",
     "SimulationError",
+    "Start",
     "Verdict",
+    "ZeroVelocity",
     "bound",
     "compare",
     "judge",

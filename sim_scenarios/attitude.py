@@ -1,7 +1,7 @@
 """Attitude: Euler angles, direction cosine matrices and misalignment.
 
-`C_bn` maps body (right, forward, up) to navigation (east, north, up). Heading is clockwise from north, pitch about the
-right axis (bow up), roll about the forward axis (right side down).
+`C_bn` maps body (right, forward, up) to navigation (east, north, up). Heading is clockwise from north, pitch
+about the right axis (bow up), roll about the forward axis (right side down).
 """
 
 from __future__ import annotations
@@ -27,13 +27,14 @@ def euler_angles(C_bn: Array) -> tuple[float, float, float]:
 
 
 def misalignment(phi: ArrayLike) -> Array:
-    """Matrix from the true to a misaligned navigation frame, C_n^{n'} = C_y C_x C_z (Zhao 2012, eqs. 1 and 2).
+    """Matrix from the true to a misaligned navigation frame, C_n^{n'} = C_y C_x C_z (Zhao 2012, eqs. 1 and
+    2).
 
     Parameters
     ----------
     phi : array_like, shape (3,)
-        Rotation about east, north, up [rad], applied up, east, north in turn. A positive rotation about up makes the
-        heading in n' larger than the true one.
+        Rotation about east, north, up [rad], applied up, east, north in turn. A positive rotation about up
+        makes the heading in n' larger than the true one.
 
     Returns
     -------
@@ -51,7 +52,7 @@ def wrap(angle: ArrayLike) -> Array:
 
 
 def misalignment_angles(C_n_computed: Array) -> Array:
-    """Rotations about east, north, up [rad] of C_n^{n'}, the inverse of `misalignment`; shape (..., 3, 3) -> (..., 3)."""
+    """Rotations about east, north, up [rad] of C_n^{n'}, (..., 3, 3) -> (..., 3); inverse of `misalignment`."""
     C = C_n_computed
     east = np.arcsin(np.clip(C[..., 1, 2], -1, 1))
     north = np.arctan2(-C[..., 0, 2], C[..., 2, 2])

@@ -1,8 +1,8 @@
 """How well can the heading be known: posterior Cramer-Rao bound along a true trajectory.
 
-For a linear system with Gaussian noise the bound is the covariance of the matched Kalman filter (Tichavsky, Muravchik and
-Nehorai 1998, IEEE Trans. Signal Process. 46(5), eq. 21). The errors of an inertial navigator are linear when they are
-small, so the filter is linearised at the truth; with the states ::
+For a linear system with Gaussian noise the bound is the covariance of the matched Kalman filter (Tichavsky,
+Muravchik and Nehorai 1998, IEEE Trans. Signal Process. 46(5), eq. 21). The errors of an inertial navigator
+are linear when they are small, so the filter is linearised at the truth; with the states ::
 
     x = [phi (attitude), dv (velocity), eps (gyro bias), nabla (accelerometer bias)]      12 states
 
@@ -12,8 +12,8 @@ its error model in ENU is (Zhou 2011, eqs. 12 and 13, for small angles) ::
     dv'  =  f_n x phi - (2 w_ie + w_en) x dv + C_bn nabla    + accelerometer noise
     eps' = 0,  nabla' = 0
 
-and GNSS observes dv. No filter that knows these statistics has a smaller mean square heading error, whatever its
-algorithm; RMS over time of sigma(phi_up) is the figure to hold a filter's RMSE against.
+and GNSS observes dv. No filter that knows these statistics has a smaller mean square heading error, whatever
+its algorithm; RMS over time of sigma(phi_up) is the figure to hold a filter's RMSE against.
 """
 
 from __future__ import annotations
@@ -73,7 +73,8 @@ class Trajectory:
 class Knowledge:
     """What is known before and besides the measurements: prior sigmas, noise densities, GNSS; SI units.
 
-    The defaults are those of the scenario of Zhou 2011. The velocity of GNSS may have a sigma for each axis (east, north, up).
+    The defaults are those of the scenario of Zhou 2011. The velocity of GNSS may have a sigma for each axis
+    (east, north, up).
     """
 
     tilt_sigma: float = 1.0 * DEGREE
@@ -96,8 +97,9 @@ class Bound:
     time : ndarray, shape (m,)
         Times of the fixes, the start included [s].
     sigma : ndarray, shape (m, 12)
-        Square root of the diagonal of the covariance: attitude (east, north, up) [rad], velocity (east, north, up)
-        [m/s], gyro bias (right, forward, up) [rad/s], accelerometer bias (right, forward, up) [m/s2].
+        Square root of the diagonal of the covariance: attitude (east, north, up) [rad], velocity (east,
+        north, up) [m/s], gyro bias (right, forward, up) [rad/s], accelerometer bias (right, forward, up)
+        [m/s2].
     """
 
     time: Array

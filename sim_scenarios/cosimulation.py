@@ -1,14 +1,15 @@
 """Co-simulation master: one source of signals, any number of filters that consume them.
 
-The source (the TruthPlant FMU, or a recording) and every filter advance by the same communication steps; outputs of the
-source are connected to the inputs of equal name. Two orders are offered (FMI 2.0.4, 4.2.1):
+The source (the TruthPlant FMU, or a recording) and every filter advance by the same communication steps;
+outputs of the source are connected to the inputs of equal name. Two orders are offered (FMI 2.0.4, 4.2.1):
 
 Gauss-Seidel
     source steps to t + h, filters receive its outputs at t + h, filters step to t + h.
 Jacobi
     filters receive the source's outputs at t, then all step to t + h: the same result, one step late.
 
-Within a step nothing is allocated: FMI functions are called through raw pointers with buffers made beforehand.
+Within a step nothing is allocated: FMI functions are called through raw pointers with buffers made
+beforehand.
 """
 
 from __future__ import annotations
@@ -119,8 +120,12 @@ class Instance:
 
     def failure(self, action: str) -> SimulationError:
         """Error that tells what the FMU said last."""
-        said = [m.text for m in self.messages if m.status in ("error", "fatal")] or [m.text for m in self.messages]
-        return SimulationError(f"{self.label} ({self.fmu.name}) failed in {action}: {said[-1] if said else 'no reason given'}")
+        said = [m.text for m in self.messages if m.status in ("error", "fatal")] or [
+            m.text for m in self.messages
+        ]
+        return SimulationError(
+            f"{self.label} ({self.fmu.name}) failed in {action}: {said[-1] if said else 'no reason given'}"
+        )
 
     def accessor(self, access: str) -> Callable[..., int]:
         """Raw function such as fmi2GetReal(component, references, count, values)."""
@@ -296,7 +301,9 @@ class RecordedSource:
             base: np.column_stack([columns[n] for n, (b, _) in self.signals.places.items() if b == base])
             for base in self.signals.buffers
         }
-        self._rows = [(buffer, rows[base].astype(buffer.dtype)) for base, buffer in self.signals.buffers.items()]
+        self._rows = [
+            (buffer, rows[base].astype(buffer.dtype)) for base, buffer in self.signals.buffers.items()
+        ]
         self._next = 0
         self.advance(0.0, 0.0)
 
@@ -464,7 +471,9 @@ class _Logger:
         fmpy.fmi2.addLoggerProxy(ctypes.byref(struct))
         return struct
 
-    def _log(self, environment: int | None, instance: bytes, status: int, category: bytes, text: bytes) -> None:
+    def _log(
+        self, environment: int | None, instance: bytes, status: int, category: bytes, text: bytes
+    ) -> None:
         if environment in self._lists:
             self._lists[environment].append(
                 Message(

@@ -1,7 +1,7 @@
 """The FMUs: where they are, which variables they declare, and values in the units that people write.
 
-Units, their display units and their factors are those of the FMU's own modelDescription.xml (FMI 2.0.4, 2.2.2:
-display value = factor * value + offset).
+Units, their display units and their factors are those of the FMU's own modelDescription.xml (FMI 2.0.4,
+2.2.2: display value = factor * value + offset).
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class Variable:
     start: str | None
 
     def parse(self, given: object) -> Number:
-        """Value for the FMU of what a user wrote: a number, a quantity with unit, true or false, the name of an item."""
+        """Value for the FMU of what a user wrote: a number, a quantity, true or false, the name of an item."""
         if self.kind == "Real":
             return self.unit.to_si(given)
         if self.kind == "Boolean":
@@ -204,7 +204,7 @@ def find(name: str) -> Path:
             return candidate
     places = ", ".join(str(candidate.parent) for candidate in candidates)
     raise BadInput(
-        f"{name}.fmu is not in {places}; run `make fmus` to build it, or set TRUENORTH_FMUS to the folder that has it"
+        f"{name}.fmu is not in {places}; run `make fmus` to build it, or set TRUENORTH_FMUS to its folder"
     )
 
 

@@ -1,8 +1,9 @@
 """What a run was worth: heading RMSE, convergence, consistency, and one verdict.
 
-The heading error wraps only here, where it is evaluated. A filter is consistent when its normalised innovations squared,
-NIS = v' S^-1 v, are chi-square with as many degrees of freedom as a fix has channels; the mean of N of them times N is
-chi-square with N m degrees of freedom (Bar-Shalom, Li and Kirubarajan 2001, sec. 5.4).
+The heading error wraps only here, where it is evaluated. A filter is consistent when its normalised
+innovations squared, NIS = v' S^-1 v, are chi-square with as many degrees of freedom as a fix has channels;
+the mean of N of them times N is chi-square with N m degrees of freedom (Bar-Shalom, Li and Kirubarajan 2001,
+sec. 5.4).
 """
 
 from __future__ import annotations
@@ -183,7 +184,7 @@ def judge(run: xr.Dataset) -> Verdict:
 
 
 def claimed_time(time: Array, converged: NDArray[np.bool_]) -> float | None:
-    """Time from which a filter reports "converged" without interruption until the end; None if it does not."""
+    """Time from which a filter reports "converged" until the end; None if it does not."""
     not_yet = np.flatnonzero(~converged.astype(bool))
     if len(not_yet) == 0:
         return float(time[0])

@@ -1,7 +1,7 @@
-"""Pictures of runs: heading error with its sigma and the bound, states, innovations, NIS, what the corrector did.
+"""Pictures of runs: heading error with its sigma and the bound, states, innovations, NIS, what the corrector
+did.
 
-Colours are those of Okabe and Ito, which colour-blind readers tell apart. Every picture can be drawn for light and dark
-paper.
+Colours are those of Okabe and Ito, which colour-blind readers tell apart; nothing is told by colour alone.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from itertools import cycle
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -30,40 +30,32 @@ DEG_PER_HOUR = DEGREE / HOUR
 MILLI_G = 1e-3 * STANDARD_GRAVITY
 
 
-@dataclass(frozen=True)
-class Theme:
-    """Colours of a picture."""
-
-    paper: str
-    ink: str
-    grid: str
-    estimate: str
-    bound: str
-    rejected: str
-    truth: str
-    cycle: tuple[str, ...]
-
-
-LIGHT = Theme(
-    paper="#ffffff",
-    ink="#24292f",
-    grid="#d8dee4",
-    estimate="#0072b2",
-    bound="#d55e00",
-    rejected="#d55e00",
-    truth="#24292f",
-    cycle=("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00"),
-)
-DARK = Theme(
-    paper="#161b22",
-    ink="#e6edf3",
-    grid="#30363d",
-    estimate="#56b4e9",
-    bound="#e69f00",
-    rejected="#ff8c42",
-    truth="#e6edf3",
-    cycle=("#56b4e9", "#e69f00", "#2fc79a", "#e69fc8", "#f0e442", "#ff8c42"),
-)
+INK = "#24292f"
+GRID = "#d8dee4"
+BLUE, ORANGE, GREEN, YELLOW, PURPLE, SKY = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9"
+FILTERS = (BLUE, YELLOW, GREEN, PURPLE, SKY, ORANGE)
+STYLE: dict[Any, Any] = {
+    "figure.facecolor": "white",
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": GRID,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "grid.color": GRID,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlelocation": "left",
+    "axes.titlesize": 11,
+    "axes.labelsize": 9,
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "legend.fontsize": 8,
+    "legend.edgecolor": GRID,
+    "legend.framealpha": 0.85,
+    "axes.xmargin": 0.01,
+}
 
 
 def png(figure: Figure) -> bytes:
@@ -73,38 +65,59 @@ def png(figure: Figure) -> bytes:
     return buffer.getvalue()
 
 
-def heading_error(run: xr.Dataset, theme: Theme) -> Figure:
-    """Heading error of one filter with 3 sigma and the bound: the whole run in degrees, its end in arcminutes."""
+def heading_error(run: xr.Dataset) -> Figure:
+    """Heading error with 3 sigma and the bound: the whole run in degrees, its end in arcminutes."""
     time, error = run["time"].values, run["heading_error"].values
     sigma, bound = run["heading_sigma"].values, run["bound.heading_sigma"].values
     window = (run.attrs["evaluation.start"], run.attrs["evaluation.stop"])
-    with _figure(theme, rows=2, height=6.2, sharex=True) as (figure, (whole, end)):
+    with _figure(rows=2, height=6.2, sharex=True) as (figure, (whole, end)):
         for axes, unit in ((whole, DEGREE), (end, ARCMIN)):
-            axes.axvspan(*window, color=theme.ink, alpha=0.05, lw=0, label="evaluation window")
-            axes.fill_between(time, -3 * sigma / unit, 3 * sigma / unit, color=theme.estimate, alpha=0.18, lw=0, label="3 sigma of the filter")
-            axes.plot(run["bound_time"], 3 * bound / unit, "--", color=theme.bound, lw=1.2, label="3 sigma of the Cramer-Rao bound")
-            axes.plot(run["bound_time"], -3 * bound / unit, "--", color=theme.bound, lw=1.2)
-            axes.plot(time, error / unit, color=theme.estimate, lw=1.3, label="heading error")
+            axes.axvspan(*window, color=INK, alpha=0.05, lw=0, label="evaluation window")
+            axes.fill_between(
+                time,
+                -3 * sigma / unit,
+                3 * sigma / unit,
+                color=BLUE,
+                alpha=0.18,
+                lw=0,
+                label="3 sigma of the filter",
+            )
+            axes.plot(
+                run["bound_time"],
+                3 * bound / unit,
+                "--",
+                color=ORANGE,
+                lw=1.2,
+                label="3 sigma of the Cramer-Rao bound",
+            )
+            axes.plot(run["bound_time"], -3 * bound / unit, "--", color=ORANGE, lw=1.2)
+            axes.plot(time, error / unit, color=BLUE, lw=1.3, label="heading error")
         _limit(whole, np.abs(error).max() / DEGREE, floor=1.0)
         whole.set_ylabel("deg")
         whole.set_title("Heading error: estimated minus true")
         whole.legend(loc="upper right", ncols=2)
         inside = time >= window[0]
-        _limit(end, max(np.abs(error[inside]).max(), 3.3 * sigma[inside].max(), 3.3 * bound[-1]) / ARCMIN, floor=1.0)
+        _limit(
+            end,
+            max(np.abs(error[inside]).max(), 3.3 * sigma[inside].max(), 3.3 * bound[-1]) / ARCMIN,
+            floor=1.0,
+        )
         end.set_ylabel("arcmin")
         end.set_xlabel("time [s]")
         return figure
 
 
-def heading(run: xr.Dataset, theme: Theme) -> Figure:
+def heading(run: xr.Dataset) -> Figure:
     """Heading over time with 3 sigma, for a run without truth."""
     time, estimate = run["time"].values, np.unwrap(run["nav.heading"].values) / DEGREE
     sigma = 3 * run["heading_sigma"].values / DEGREE
     final = estimate[-1]
-    with _figure(theme, rows=2, height=6.2, sharex=True) as (figure, (whole, end)):
+    with _figure(rows=2, height=6.2, sharex=True) as (figure, (whole, end)):
         for axes in (whole, end):
-            axes.fill_between(time, estimate - sigma, estimate + sigma, color=theme.estimate, alpha=0.18, lw=0, label="3 sigma")
-            axes.plot(time, estimate, color=theme.estimate, lw=1.3, label="heading")
+            axes.fill_between(
+                time, estimate - sigma, estimate + sigma, color=BLUE, alpha=0.18, lw=0, label="3 sigma"
+            )
+            axes.plot(time, estimate, color=BLUE, lw=1.3, label="heading")
             axes.set_ylabel("deg")
         whole.set_title("Heading, clockwise from north")
         whole.legend(loc="upper right")
@@ -116,37 +129,37 @@ def heading(run: xr.Dataset, theme: Theme) -> Figure:
         return figure
 
 
-def states(run: xr.Dataset, theme: Theme) -> Figure:
+def states(run: xr.Dataset) -> Figure:
     """Every state: its error where the truth is known, else its estimate, with 3 sigma."""
     time = run["time"].values
     panels = list(_state_panels(run))
-    with _figure(theme, rows=4, columns=3, height=9.0, sharex=True) as (figure, axes):
+    with _figure(rows=5, columns=2, height=10.0, sharex=True) as (figure, axes):
         for panel, (title, unit, values, sigma) in zip(axes, panels, strict=True):
-            panel.fill_between(time, -3 * sigma, 3 * sigma, color=theme.estimate, alpha=0.18, lw=0)
-            panel.plot(time, values, color=theme.estimate, lw=1.0)
-            panel.axhline(0, color=theme.ink, lw=0.5, alpha=0.5)
+            panel.fill_between(time, -3 * sigma, 3 * sigma, color=BLUE, alpha=0.18, lw=0)
+            panel.plot(time, values, color=BLUE, lw=1.0)
+            panel.axhline(0, color=INK, lw=0.5, alpha=0.5)
             panel.set_title(title, fontsize=9)
             panel.set_ylabel(unit)
-            settled = slice(len(time) // 20, None)
+            settled = slice(len(time) // 5, None)
             _limit(panel, max(np.abs(values[settled]).max(), 3 * sigma[settled].max()), floor=1e-9)
-        for panel in axes[len(panels) - 3 :]:
+        for panel in axes[-2:]:
             panel.set_xlabel("time [s]")
         what = "errors" if "truth.heading" in run else "estimates"
-        figure.suptitle(f"States: {what} with 3 sigma (vertical scale from 5 % of the run on)")
+        figure.suptitle(f"States: {what} with 3 sigma (vertical scale from 20 % of the run on)")
         return figure
 
 
-def innovations(run: xr.Dataset, theme: Theme) -> Figure:
+def innovations(run: xr.Dataset) -> Figure:
     """Innovation of each channel with its 3 sigma; fixes that were not used stand out."""
     time, used = run["fix_time"].values, run["fix_used"].values
     channels = run.sizes[run["innovation"].dims[-1]]
     names = ("east", "north", "up")[:channels]
-    with _figure(theme, rows=channels, height=2.6 * channels + 0.8, sharex=True) as (figure, axes):
+    with _figure(rows=channels, height=2.6 * channels + 0.8, sharex=True) as (figure, axes):
         for i, (panel, name) in enumerate(zip(axes, names, strict=True)):
             value, sigma = run["innovation"].values[:, i], run["innovation_sigma"].values[:, i]
-            panel.fill_between(time, -3 * sigma, 3 * sigma, color=theme.estimate, alpha=0.18, lw=0, label="3 sigma")
-            panel.plot(time[used], value[used], ".", color=theme.estimate, ms=3.5, label="used")
-            panel.plot(time[~used], value[~used], "x", color=theme.rejected, ms=6, mew=1.6, label="rejected")
+            panel.fill_between(time, -3 * sigma, 3 * sigma, color=BLUE, alpha=0.18, lw=0, label="3 sigma")
+            panel.plot(time[used], value[used], ".", color=BLUE, ms=3.5, label="used")
+            panel.plot(time[~used], value[~used], "x", color=ORANGE, ms=6, mew=1.6, label="rejected")
             panel.set_ylabel(f"{name} [m/s]")
             settled = time > time[0] + 0.05 * (time[-1] - time[0])
             _limit(panel, max(3.3 * sigma[settled].max(), 1.1 * np.abs(value[settled]).max()), floor=1e-6)
@@ -156,15 +169,15 @@ def innovations(run: xr.Dataset, theme: Theme) -> Figure:
         return figure
 
 
-def nis(run: xr.Dataset, theme: Theme) -> Figure:
+def nis(run: xr.Dataset) -> Figure:
     """Normalised innovation squared with the chi-square limits of one fix and of the running mean."""
     time, value, used = run["fix_time"].values, run["nis"].values, run["fix_used"].values
     channels = run.sizes[run["innovation"].dims[-1]]
-    with _figure(theme, rows=2, height=5.6, sharex=True) as (figure, (each, mean)):
-        each.plot(time[used], value[used], ".", color=theme.estimate, ms=3.5, label="used")
-        each.plot(time[~used], value[~used], "x", color=theme.rejected, ms=6, mew=1.6, label="rejected")
+    with _figure(rows=2, height=5.6, sharex=True) as (figure, (each, mean)):
+        each.plot(time[used], value[used], ".", color=BLUE, ms=3.5, label="used")
+        each.plot(time[~used], value[~used], "x", color=ORANGE, ms=6, mew=1.6, label="rejected")
         for limit, share in zip(chi_square_interval(channels, 0.98), ("1 %", "99 %"), strict=True):
-            each.axhline(limit, color=theme.bound, ls="--", lw=1, label=f"{share} of a consistent filter")
+            each.axhline(limit, color=ORANGE, ls="--", lw=1, label=f"{share} of a consistent filter")
         each.set_yscale("log")
         each.set_ylim(max(1e-3, value[value > 0].min() / 2 if (value > 0).any() else 1e-3), None)
         each.set_ylabel("NIS")
@@ -172,8 +185,21 @@ def nis(run: xr.Dataset, theme: Theme) -> Figure:
         each.legend(loc="lower right", ncols=2)
         counted = np.arange(1, used.sum() + 1)
         intervals = np.array([chi_square_interval(int(n) * channels) for n in counted]).reshape(-1, 2)
-        mean.fill_between(time[used], *(intervals / (counted[:, None] * channels)).T, color=theme.bound, alpha=0.2, lw=0, label="95 % interval")
-        mean.plot(time[used], np.cumsum(value[used]) / (counted * channels), color=theme.estimate, lw=1.3, label="mean NIS / channels so far")
+        mean.fill_between(
+            time[used],
+            *(intervals / (counted[:, None] * channels)).T,
+            color=ORANGE,
+            alpha=0.2,
+            lw=0,
+            label="95 % interval",
+        )
+        mean.plot(
+            time[used],
+            np.cumsum(value[used]) / (counted * channels),
+            color=BLUE,
+            lw=1.3,
+            label="mean NIS / channels so far",
+        )
         mean.set_ylim(0, 3)
         mean.set_ylabel("mean NIS / channels")
         mean.set_xlabel("time [s]")
@@ -181,58 +207,94 @@ def nis(run: xr.Dataset, theme: Theme) -> Figure:
         return figure
 
 
-def corrections(run: xr.Dataset, theme: Theme) -> Figure:
+def corrections(run: xr.Dataset) -> Figure:
     """What the corrector did: weights of the channels, effective gamma, fixes that were rejected, status."""
     time = run["fix_time"].values
-    with _figure(theme, rows=3, height=6.4, sharex=True) as (figure, (weights, gamma, status)):
+    with _figure(rows=3, height=6.4, sharex=True) as (figure, (weights, gamma, status)):
         for i, name in enumerate(("east", "north", "up")[: run.sizes[run["measurement_weight"].dims[-1]]]):
-            weights.plot(time, run["measurement_weight"].values[:, i], lw=1.2, color=theme.cycle[i], ls=("-", "--", ":")[i], label=name)
+            values = run["measurement_weight"].values[:, i]
+            weights.plot(time, values, ".x+"[i], ms=(4, 5, 5)[i], color=FILTERS[i], label=name)
         weights.set_ylim(-0.08, 1.12)
         weights.set_ylabel("weight")
         weights.set_title("What the corrector did with each fix")
-        weights.legend(loc="lower right", ncols=3)
-        _gamma(run, gamma, theme)
+        weights.legend(loc="center right", ncols=3)
+        _gamma(run, gamma)
         flag = run["status"]
         names, values = flag.attrs["flag_meanings"].split(), flag.attrs["flag_values"]
-        status.step(run["time"], flag.values, where="post", color=theme.estimate, lw=1.6)
+        status.step(run["time"], flag.values, where="post", color=BLUE, lw=1.6)
         status.set_yticks(values, names)
         status.set_ylim(min(values) - 0.5, max(values) + 0.5)
         status.set_xlabel("time [s]")
         rejected = time[~run["fix_used"].values]
-        status.plot(rejected, np.full(len(rejected), min(values) - 0.25), "|", color=theme.rejected, ms=9, mew=1.5, label="rejected fix")
-        status.legend(loc="lower right")
+        status.plot(
+            rejected,
+            np.full(len(rejected), min(values) - 0.25),
+            "|",
+            color=ORANGE,
+            ms=9,
+            mew=1.5,
+            label="rejected fix",
+        )
+        status.legend(loc="upper right")
         return figure
 
 
-def comparison(runs: xr.Dataset, theme: Theme) -> Figure:
+def comparison(runs: xr.Dataset) -> Figure:
     """Heading errors of several filters on the same signals, and the bound."""
     time = runs["time"].values
     window = (runs.attrs["evaluation.start"], runs.attrs["evaluation.stop"])
     bound = runs["bound.heading_sigma"].values
-    with _figure(theme, rows=2, height=7.0, sharex=True) as (figure, (whole, end)):
+    with _figure(rows=2, height=7.0, sharex=True) as (figure, (whole, end)):
         for axes, unit in ((whole, DEGREE), (end, ARCMIN)):
-            axes.axvspan(*window, color=theme.ink, alpha=0.05, lw=0)
-            axes.fill_between(runs["bound_time"], -bound / unit, bound / unit, color=theme.ink, alpha=0.14, lw=0, label="1 sigma of the Cramer-Rao bound")
-            for label, colour, line in zip(runs["filter"].values, cycle(theme.cycle), cycle(("-", "--", "-.", ":")), strict=False):
-                axes.plot(time, runs["heading_error"].sel(filter=label) / unit, line, color=colour, lw=1.4, label=str(label))
+            axes.axvspan(*window, color=INK, alpha=0.05, lw=0)
+            axes.fill_between(
+                runs["bound_time"],
+                -bound / unit,
+                bound / unit,
+                color=INK,
+                alpha=0.14,
+                lw=0,
+                label="1 sigma of the Cramer-Rao bound",
+            )
+            for label, colour, line in zip(
+                runs["filter"].values, cycle(FILTERS), cycle(("-", "--", "-.", ":")), strict=False
+            ):
+                axes.plot(
+                    time,
+                    runs["heading_error"].sel(filter=label) / unit,
+                    line,
+                    color=colour,
+                    lw=1.4,
+                    label=str(label),
+                )
         whole.set_ylabel("deg")
         whole.set_title("Heading error of each filter on the same signals")
         whole.legend(loc="upper right", ncols=2)
         inside = time >= window[0]
-        _limit(end, 1.1 * np.abs(runs["heading_error"].values[:, inside]).max() / ARCMIN, floor=1.5 * float(bound[-1]) / ARCMIN)
+        _limit(
+            end,
+            1.1 * np.abs(runs["heading_error"].values[:, inside]).max() / ARCMIN,
+            floor=1.5 * float(bound[-1]) / ARCMIN,
+        )
         end.set_ylabel("arcmin")
         end.set_xlabel("time [s]")
         return figure
 
 
-def bound(data: xr.Dataset, theme: Theme) -> Figure:
+def bound(data: xr.Dataset) -> Figure:
     """The bound of the heading along a trajectory."""
     window = (data.attrs["evaluation.start"], data.attrs["evaluation.stop"])
-    with _figure(theme, rows=1, height=3.8) as (figure, (axes,)):
-        axes.axvspan(*window, color=theme.ink, alpha=0.05, lw=0, label="evaluation window")
-        axes.plot(data["bound_time"], data["bound.heading_sigma"] / ARCMIN, color=theme.bound, lw=1.6, label="sigma of the heading")
+    with _figure(rows=1, height=3.8) as (figure, (axes,)):
+        axes.axvspan(*window, color=INK, alpha=0.05, lw=0, label="evaluation window")
+        axes.plot(
+            data["bound_time"],
+            data["bound.heading_sigma"] / ARCMIN,
+            color=ORANGE,
+            lw=1.6,
+            label="sigma of the heading",
+        )
         rms = data.attrs["bound.heading_rms"] / ARCMIN
-        axes.plot(window, (rms, rms), ":", color=theme.ink, lw=1.2, label=f"RMS over the window: {rms:.2f} arcmin")
+        axes.plot(window, (rms, rms), ":", color=INK, lw=1.2, label=f"RMS over the window: {rms:.2f} arcmin")
         axes.set_yscale("log")
         axes.set_ylabel("arcmin")
         axes.set_xlabel("time [s]")
@@ -241,7 +303,7 @@ def bound(data: xr.Dataset, theme: Theme) -> Figure:
         return figure
 
 
-def _gamma(run: xr.Dataset, axes: Axes, theme: Theme) -> None:
+def _gamma(run: xr.Dataset, axes: Axes) -> None:
     """Effective gamma of the H-infinity update, or a note that there is none."""
     time, gamma = run["fix_time"].values, run["robust.gamma_effective"].values
     feasible = run["robust.feasible"].values.astype(bool)
@@ -249,31 +311,48 @@ def _gamma(run: xr.Dataset, axes: Axes, theme: Theme) -> None:
     axes.set_ylabel("effective gamma")
     if not active.any():
         axes.set_yticks([])
-        axes.text(0.5, 0.5, "no H-infinity corrector", transform=axes.transAxes, ha="center", va="center", color=theme.ink)
+        axes.text(
+            0.5, 0.5, "no H-infinity corrector", transform=axes.transAxes, ha="center", va="center", color=INK
+        )
         return
-    axes.plot(time[active], gamma[active], color=theme.estimate, lw=1.2, label="gamma in effect")
+    axes.plot(time[active], gamma[active], color=BLUE, lw=1.2, label="gamma in effect")
     backed = active & ~feasible
-    axes.plot(time[backed], gamma[backed], ".", color=theme.rejected, ms=5, label="backed off (infeasible)")
-    axes.set_yscale("log")
+    axes.plot(time[backed], gamma[backed], ".", color=ORANGE, ms=5, label="backed off (infeasible)")
+    if gamma[active].max() > 10 * gamma[active].min():
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(0, 1.4 * gamma[active].max())
     axes.legend(loc="upper right", ncols=2)
 
 
 def _state_panels(run: xr.Dataset) -> Iterator[tuple[str, str, Array, Array]]:
-    """Title, unit, values and sigma of each state, in display units."""
+    """Title, unit, values and sigma of each state, in display units; pairs stand side by side."""
     known = "truth.heading" in run
-    tilt = run["attitude_error"].values if known else run["misalignment"].values
-    for i, axis in enumerate(("east", "north", "up")):
-        yield f"misalignment {axis}", "arcmin", wrap(tilt[:, i]) / ARCMIN, run["misalignment_sigma"].values[:, i] / ARCMIN
-    velocity = run["nav.velocity"].values - (run["truth.velocity"].values if known else 0)
-    for i, axis in enumerate(("east", "north")):
-        yield f"velocity {axis}", "m/s", velocity[:, i], run["velocity_sigma"].values[:, i]
-    for name, label, unit, size, axes in (
-        ("gyro_bias", "gyro bias", "deg/h", DEG_PER_HOUR, ("right", "forward", "up")),
-        ("accelerometer_bias", "accelerometer bias", "mg", MILLI_G, ("right", "forward")),
+    sources = {
+        "misalignment": (wrap(run["attitude_error" if known else "misalignment"].values), "arcmin", ARCMIN),
+        "velocity": (run["nav.velocity"].values - (run["truth.velocity"].values if known else 0), "m/s", 1.0),
+        "gyro_bias": (
+            run["gyro_bias"].values - (run["truth.gyro_bias"].values if known else 0),
+            "deg/h",
+            DEG_PER_HOUR,
+        ),
+        "accelerometer_bias": (
+            run["accelerometer_bias"].values - (run["truth.accelerometer_bias"].values if known else 0),
+            "mg",
+            MILLI_G,
+        ),
+    }
+    for name, axis, index in (
+        *(("misalignment", axis, i) for i, axis in enumerate(("east", "north"))),
+        *(("velocity", axis, i) for i, axis in enumerate(("east", "north"))),
+        *(("accelerometer_bias", axis, i) for i, axis in enumerate(("right", "forward"))),
+        *(("gyro_bias", axis, i) for i, axis in enumerate(("right", "forward"))),
+        ("misalignment", "up", 2),
+        ("gyro_bias", "up", 2),
     ):
-        values = run[name].values - (run[f"truth.{name}"].values if known else 0)
-        for i, axis in enumerate(axes):
-            yield f"{label} {axis}", unit, values[:, i] / size, run[f"{name}_sigma"].values[:, i] / size
+        values, unit, size = sources[name]
+        sigma = run[f"{name}_sigma"].values[:, index]
+        yield f"{name.replace('_', ' ')} {axis}", unit, values[:, index] / size, sigma / size
 
 
 def _limit(axes: Axes, reach: float, floor: float) -> None:
@@ -284,35 +363,10 @@ def _limit(axes: Axes, reach: float, floor: float) -> None:
 
 @contextmanager
 def _figure(
-    theme: Theme, *, rows: int, height: float, columns: int = 1, sharex: bool = False
+    *, rows: int, height: float, columns: int = 1, sharex: bool = False
 ) -> Iterator[tuple[Figure, list[Axes]]]:
-    """A figure and its axes in reading order, drawn in a theme."""
-    style = {
-        "figure.facecolor": theme.paper,
-        "axes.facecolor": theme.paper,
-        "savefig.facecolor": theme.paper,
-        "text.color": theme.ink,
-        "axes.labelcolor": theme.ink,
-        "axes.edgecolor": theme.grid,
-        "xtick.color": theme.ink,
-        "ytick.color": theme.ink,
-        "grid.color": theme.grid,
-        "axes.grid": True,
-        "axes.axisbelow": True,
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "axes.titlelocation": "left",
-        "axes.titlesize": 11,
-        "axes.labelsize": 9,
-        "xtick.labelsize": 9,
-        "ytick.labelsize": 9,
-        "legend.fontsize": 8,
-        "legend.facecolor": theme.paper,
-        "legend.edgecolor": theme.grid,
-        "legend.framealpha": 0.85,
-        "axes.xmargin": 0.01,
-    }
-    with mpl.rc_context(style):
+    """A figure and its axes in reading order."""
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, height), layout="constrained")
         axes = figure.subplots(rows, columns, sharex=sharex, squeeze=False)
         yield figure, list(axes.flat)

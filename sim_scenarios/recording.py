@@ -56,7 +56,8 @@ def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu |
     Returns
     -------
     xarray.Dataset
-        With `heading_error` and `attitude_error` (filter, time) where the truth is known, and `fix_used` (filter, fix).
+        With `heading_error` and `attitude_error` (filter, time) where the truth is known, and `fix_used`
+        (filter, fix).
     """
     parts = [
         xr.Dataset(
@@ -67,7 +68,9 @@ def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu |
         )
         for table, fixes in zip(recorded.filters, recorded.fixes, strict=True)
     ]
-    result = xr.concat(parts, dim=xr.DataArray(labels, dims="filter", name="filter"), combine_attrs="override")
+    result = xr.concat(
+        parts, dim=xr.DataArray(labels, dims="filter", name="filter"), combine_attrs="override"
+    )
     result = result.assign_coords(
         time=("time", recorded.time, {"units": "s", "description": "Time since the start"}),
         fix_time=("fix", recorded.fix_time, {"units": "s", "description": "Time of validity of the fix"}),
@@ -98,7 +101,11 @@ def _errors(data: xr.Dataset) -> dict[str, tuple[tuple[str, ...], NDArray[np.flo
             phi,
             {"units": "rad", "description": "Misalignment of the estimated attitude (phi_e, phi_n, phi_u)"},
         ),
-        "heading_error": (("filter", "time"), heading, {"units": "rad", "description": "Estimated minus true heading"}),
+        "heading_error": (
+            ("filter", "time"),
+            heading,
+            {"units": "rad", "description": "Estimated minus true heading"},
+        ),
     }
 
 
@@ -129,11 +136,10 @@ def _array(columns: Mapping[str, NDArray[Any]], fmu: Fmu, dimension: str, scalar
     if variable.kind == "Enumeration":
         attributes["flag_values"] = np.array(list(variable.items.values()), dtype=np.int32)
         attributes["flag_meanings"] = " ".join(variable.items)
+    values = np.stack([columns[s] for s in scalars], axis=-1)
+    dimensions: tuple[str, ...] = (dimension, f"axis{len(scalars)}")
     if "[" not in scalars[0]:
-        values, dimensions = columns[scalars[0]], (dimension,)
-    else:
-        values = np.stack([columns[s] for s in scalars], axis=-1)
-        dimensions = (dimension, f"axis{len(scalars)}")
+        values, dimensions = values[:, 0], (dimension,)
     if variable.kind == "Boolean":
         values = values.astype(bool)
     return xr.DataArray(values, dims=dimensions, attrs=attributes)

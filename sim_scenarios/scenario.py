@@ -1,27 +1,37 @@
 """Scenario files: what moves, what measures, what filters, how long, and what counts as converged.
 
-A scenario is a TOML file. Parameters of the FMUs stand in its tables `plant` and `filter` under the FMU's own names;
-`compare` names variants of the filter. A quantity is a number in SI units or a text with one of the display units that
-the FMU declares for it ("10 deg", "0.05 deg/h", "1 mg"). Nothing unknown is accepted. A file that `extends` a shipped
-scenario states only what differs; its table `compare` replaces the whole comparison.
+A scenario is a TOML file. Parameters of the FMUs stand in its tables `plant` and `filter` under the FMU's own
+names; `compare` names variants of the filter. A quantity is a number in SI units or a text with one of the
+display units that the FMU declares for it ("10 deg", "0.05 deg/h", "1 mg"). Nothing unknown is accepted. A
+file that `extends` a shipped scenario states only what differs; its table `compare` replaces the whole
+comparison.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
 
 from sim_scenarios.bounds import DEGREE, HOUR, STANDARD_GRAVITY
 from sim_scenarios.errors import BadInput
 from sim_scenarios.fmus import ALIGNMENT_FILTER, PLANT, Fmu, Number, Unit, did_you_mean, load
 
-try:
+if sys.version_info >= (3, 11):
     import tomllib
-except ModuleNotFoundError:  # Python 3.10
+else:
     import tomli as tomllib
 
 SHIPPED: Final = Path(__file__).parent / "scenarios"
@@ -105,7 +115,7 @@ class Table(BaseModel):
 
 
 class InitialError(Table):
-    """Error of what a coarse alignment hands over (east, north, up); the sigmas add a part drawn from the seed."""
+    """Error of what a coarse alignment hands over (east, north, up); a sigma adds a part drawn from the seed."""
 
     misalignment: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
     misalignment_sigma: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
@@ -158,7 +168,7 @@ class Scenario(Table):
             raise BadInput("evaluation.start must be at least 0 and before evaluation.stop")
         if self.evaluation.start >= self.duration:
             raise BadInput(
-                f"evaluation.start = {self.evaluation.start:g} s: must be before the end of the run ({self.duration:g} s)"
+                f"evaluation.start = {self.evaluation.start:g} s: must be before the end ({self.duration:g} s)"
             )
         return self
 
@@ -190,8 +200,8 @@ def load_scenario(
     seed : int, optional
         Seed of the plant.
     settings : mapping, optional
-        Values by name: an FMU parameter (`imu.gyro.bias`), prefixed with `plant.` or `filter.` where both FMUs have
-        it, or an entry of the scenario (`duration`, `initial_error.misalignment`).
+        Values by name: an FMU parameter (`imu.gyro.bias`), prefixed with `plant.` or `filter.` where both
+        FMUs have it, or an entry of the scenario (`duration`, `initial_error.misalignment`).
 
     Returns
     -------
@@ -200,7 +210,9 @@ def load_scenario(
     path = scenario_path(name)
     table = {"name": path.stem, "compare": EKF_UKF_ROBUST, **_read(path)}
     _check(table, fmus, path)
-    overridden = _overridden(table, fmus, {**(settings or {}), **({} if seed is None else {"plant.seed": seed})})
+    overridden = _overridden(
+        table, fmus, {**(settings or {}), **({} if seed is None else {"plant.seed": seed})}
+    )
     return _check(overridden, fmus, "the settings")
 
 
@@ -219,9 +231,9 @@ def scenario_path(name: str | Path) -> Path:
 
 
 def _read(path: Path, above: tuple[Path, ...] = ()) -> dict[str, Any]:
-    """Content of a scenario file upon that of the scenario it extends; `above` are the files that extend this one."""
+    """Content of a scenario file upon that of the one it extends; `above` are the files that extend this one."""
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise BadInput(f"{path}: not valid TOML: {error}") from None
     if "extends" not in table:
@@ -243,9 +255,19 @@ def _merged(base: dict[str, Any], upper: dict[str, Any]) -> dict[str, Any]:
     merged = dict(base)
     for key, value in upper.items():
         below = merged.get(key)
-        nested = isinstance(below, dict) and isinstance(value, dict)
-        merged[key] = _merged(below, value) if nested else value
+        if isinstance(below, dict) and isinstance(value, dict):
+            merged[key] = _merged(below, value)
+        else:
+            merged[key] = value
     return merged
+
+
+def toml_value(text: str) -> object:
+    """A value as it stands in a scenario file; a bare text needs no quotes."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text.strip()
 
 
 def _check(table: Mapping[str, Any], fmus: Fmus, where: Path | str) -> Scenario:

@@ -1,4 +1,4 @@
-"""From a scenario to a data set: plant and filters connected, initialised, run, and judged against the bound."""
+"""From a scenario to a data set: plant and filters connected, initialised and run, and the bound beside them."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from sim_scenarios.cosimulation import (
     Order,
     Port,
     Progress,
+    Recorded,
     Sink,
     Table,
     connected,
@@ -63,8 +64,8 @@ def run(
     seed : int, optional
         Seed of every random stream of the plant.
     set : mapping, optional
-        Values by name, in SI units or with a unit: any FMU parameter (`{"imu.gyro.bias": "0.05 deg/h"}`) or entry of
-        the scenario (`{"duration": 900}`).
+        Values by name, in SI units or with a unit: any FMU parameter (`{"imu.gyro.bias": "0.05 deg/h"}`) or
+        entry of the scenario (`{"duration": 900}`).
     order : Order
         Who steps first.
     progress : callable
@@ -135,37 +136,55 @@ def run_filters(
     progress: Progress = lambda _: None,
 ) -> xr.Dataset:
     """Run filters, given by label and parameters, on the signals of a scenario."""
-    times = _times(scenario.duration, scenario.communication_step)
-    record_every = _whole(scenario.recording_period, scenario.communication_step, "recording_period")
-    signals = connected(fmus.plant.outputs(), fmus.filter)
-    truth = [name for name in fmus.plant.outputs() if name.startswith("truth.")]
     with ExitStack() as stack:
-        plant = stack.enter_context(closing(_plant(scenario, fmus)))
-        source = FmuSource(plant, signals)
-        start = initial_values(scenario, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
-        sinks = []
-        for label, values in filters.items():
-            instance = stack.enter_context(closing(Instance(fmus.filter, label, {**values, **start})))
-            instance.begin_initialisation(0.0, scenario.duration)
-            sinks.append(Sink(instance, source))
-            sinks[-1].receive()
-            instance.finish_initialisation()
-        recorded = simulate(
-            source,
-            sinks,
-            times,
-            record_every=record_every,
-            source_outputs=truth,
-            fix_outputs=recording.fix_outputs(fmus.filter),
-            order=order,
-            progress=progress,
-        )
-        messages = [m for instance in (plant, *(s.instance for s in sinks)) for m in instance.messages]
+        source, sinks = connect(scenario, fmus, filters, stack)
+        recorded = record(scenario, fmus, source, sinks, order, progress)
+        messages = [
+            m for instance in (source.instance, *(s.instance for s in sinks)) for m in instance.messages
+        ]
     data = recording.dataset(recorded, list(filters), fmus.filter, fmus.plant)
     data.attrs = _attributes(scenario, fmus, messages)
     assert recorded.truth is not None
     trajectory = _trajectory(recorded.time, recorded.truth.columns())
     return _with_bound(data, cramer_rao(trajectory, knowledge(scenario, fmus.plant)), scenario)
+
+
+def connect(
+    scenario: Scenario, fmus: Fmus, filters: Mapping[str, Mapping[str, Number]], stack: ExitStack
+) -> tuple[FmuSource, list[Sink]]:
+    """Plant and filters, initialised and connected; the stack closes them."""
+    plant = stack.enter_context(closing(_plant(scenario, fmus)))
+    source = FmuSource(plant, connected(fmus.plant.outputs(), fmus.filter))
+    start = initial_values(scenario, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
+    sinks = []
+    for label, values in filters.items():
+        instance = stack.enter_context(closing(Instance(fmus.filter, label, {**values, **start})))
+        instance.begin_initialisation(0.0, scenario.duration)
+        sinks.append(Sink(instance, source))
+        sinks[-1].receive()
+        instance.finish_initialisation()
+    return source, sinks
+
+
+def record(
+    scenario: Scenario,
+    fmus: Fmus,
+    source: FmuSource,
+    sinks: Sequence[Sink],
+    order: Order = Order.gauss_seidel,
+    progress: Progress = lambda _: None,
+) -> Recorded:
+    """Step connected plant and filters to the end of a scenario."""
+    return simulate(
+        source,
+        sinks,
+        _times(scenario.duration, scenario.communication_step),
+        record_every=_whole(scenario.recording_period, scenario.communication_step, "recording_period"),
+        source_outputs=[name for name in fmus.plant.outputs() if name.startswith("truth.")],
+        fix_outputs=recording.fix_outputs(fmus.filter),
+        order=order,
+        progress=progress,
+    )
 
 
 def initial_values(scenario: Scenario, truth: Mapping[str, Number]) -> dict[str, float]:
@@ -189,13 +208,14 @@ def initial_values(scenario: Scenario, truth: Mapping[str, Number]) -> dict[str,
         "initial.heading": heading,
         **{f"initial.velocity[{i + 1}]": float(velocity[i]) for i in range(3)},
         "initial.latitude": latitude + north / (meridian + height),
-        "initial.longitude": float(truth["truth.longitude"]) + east / ((prime_vertical + height) * np.cos(latitude)),
+        "initial.longitude": float(truth["truth.longitude"])
+        + east / ((prime_vertical + height) * np.cos(latitude)),
         "initial.height": height + up,
     }
 
 
 def knowledge(scenario: Scenario, plant: Fmu) -> Knowledge:
-    """What the bound of a scenario knows: its prior, and the noise of the plant (white noise and bias alone)."""
+    """What the bound of a scenario knows: its prior, and the white noise of the plant."""
 
     def value(name: str) -> float:
         return float(scenario.plant.get(name, plant.start(name)))
@@ -209,7 +229,11 @@ def knowledge(scenario: Scenario, plant: Fmu) -> Knowledge:
         accelerometer_bias_sigma=prior.accelerometer_bias_sigma,
         angle_random_walk=value("imu.gyro.white_noise"),
         velocity_random_walk=value("imu.accelerometer.white_noise"),
-        gnss_velocity_sigma=tuple(value(f"gnss.velocity_sigma[{i}]") for i in (1, 2, 3)),
+        gnss_velocity_sigma=(
+            value("gnss.velocity_sigma[1]"),
+            value("gnss.velocity_sigma[2]"),
+            value("gnss.velocity_sigma[3]"),
+        ),
         gnss_rate=value("gnss.rate"),
     )
 
@@ -265,9 +289,16 @@ def _attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ()
         "evaluation.start": window.start,
         "evaluation.stop": min(window.stop, scenario.duration),
         "evaluation.heading_limit": window.heading_limit,
-        "settings": json.dumps({"plant": _readable(scenario.plant, fmus.plant), "filter": _readable(scenario.filter, fmus.filter)}),
+        "settings": json.dumps(
+            {
+                "plant": _readable(scenario.plant, fmus.plant),
+                "filter": _readable(scenario.filter, fmus.filter),
+            }
+        ),
         "filters": json.dumps({k: _readable(v, fmus.filter) for k, v in scenario.filters().items()}),
-        "versions": json.dumps({"truenorth": _version(), **{fmu.name: fmu.guid for fmu in (fmus.plant, fmus.filter)}}),
+        "versions": json.dumps(
+            {"truenorth": _version(), **{fmu.name: fmu.guid for fmu in (fmus.plant, fmus.filter)}}
+        ),
         "messages": json.dumps([str(message) for message in messages]),
     }
 

@@ -1,6 +1,7 @@
 """The trajectories of the alignment problem in closed form, independent of the plant.
 
-Sway about a mean heading, a constant speed that follows the course, surge/sway/heave, and course changes by a quintic.
+Sway about a mean heading, a constant speed that follows the course, surge/sway/heave, and course changes by a
+quintic.
 """
 
 import numpy as np
@@ -9,7 +10,13 @@ from scipy.spatial.transform import Rotation
 from sim_scenarios.bounds import Trajectory
 
 DEGREE = np.pi / 180
-ZIGZAG = [(50, 1), (150, -2), (250, 2), (350, -2), (450, 2)]  # begin [s], course change in units of the amplitude
+ZIGZAG = [
+    (50, 1),
+    (150, -2),
+    (250, 2),
+    (350, -2),
+    (450, 2),
+]  # begin [s], course change in units of the amplitude
 
 
 def course_change(time, turns):

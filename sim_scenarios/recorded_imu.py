@@ -13,7 +13,8 @@ and, unless fixes of zero velocity are made up, GNSS, with empty cells in the ro
     gnss_height                       above the ellipsoid [m]
     gnss_time                         time of validity of the fix [s]; optional, else the row's time
 
-The initial roll and pitch come from levelling: at rest the mean specific force of the first seconds points up,
+The initial roll and pitch come from levelling: at rest the mean specific force of the first seconds points
+up,
 
     pitch = atan2(f_y, sqrt(f_x^2 + f_z^2)),   roll = atan2(-f_x, f_z).
 """
@@ -47,7 +48,7 @@ RECORDING_PERIOD = 0.1  # s
 
 @dataclass(frozen=True)
 class ZeroVelocity:
-    """Fixes that say "it stands here": position (latitude [deg], longitude [deg], height [m]), sigma [m/s], rate [Hz]."""
+    """Fixes of a vehicle that stands: latitude [deg], longitude [deg], height [m]; sigma [m/s], rate [Hz]."""
 
     position: tuple[float, float, float]
     sigma: float = 0.02
@@ -97,7 +98,11 @@ def replay(
     fmu = fmu or load(ALIGNMENT_FILTER)
     table = read_recording(Path(path))
     imu = signals_of_imu(table)
-    gnss = _zero_velocity_fixes(table["time"].to_numpy(), zero_velocity) if zero_velocity else _recorded_fixes(table, path)
+    gnss = (
+        _zero_velocity_fixes(table["time"].to_numpy(), zero_velocity)
+        if zero_velocity
+        else _recorded_fixes(table, path)
+    )
     values = parameters(table, start, gnss, zero_velocity, set or {}, fmu)
     columns = {**imu, **gnss}
     source = RecordedSource([fmu.variables[name] for name in connected(columns, fmu)], columns)
@@ -144,7 +149,7 @@ def read_recording(path: Path) -> pd.DataFrame:
         raise BadInput(f"{path}: has {len(table)} samples; an alignment needs many")
     backwards = np.flatnonzero(np.diff(table["time"]) <= 0)
     if len(backwards):
-        raise BadInput(f"{path}: line {backwards[0] + 3}: time must increase, {table['time'][backwards[0] + 1]:g} s does not")
+        raise BadInput(f"{path}: line {backwards[0] + 3}: time must increase from each sample to the next")
     return table
 
 
@@ -164,7 +169,9 @@ def signals_of_imu(table: pd.DataFrame) -> dict[str, NDArray[np.float64]]:
     for kind in ("angle", "velocity"):
         for i, axis in enumerate("xyz"):
             signals[f"imu.delta_{kind}[{i + 1}]"] = table[f"delta_{kind}_{axis}"].to_numpy(dtype=float)
-    return {name: np.concatenate(([_before(name, values, period)], values)) for name, values in signals.items()}
+    return {
+        name: np.concatenate(([_before(name, values, period)], values)) for name, values in signals.items()
+    }
 
 
 def parameters(
@@ -194,7 +201,9 @@ def parameters(
         values["measurement.velocity_sigma"] = zero_velocity.sigma
     for name, value in settings.items():
         try:
-            values |= fmu.assignments(name.removeprefix("filter.") if not fmu.has_parameter(name) else name, value)
+            values |= fmu.assignments(
+                name.removeprefix("filter.") if not fmu.has_parameter(name) else name, value
+            )
         except BadInput as error:
             raise BadInput(f"the setting {name} = {value}: {error}") from None
     return values
@@ -225,7 +234,9 @@ def _zero_velocity_fixes(time: Array, aiding: ZeroVelocity) -> dict[str, Array]:
 def _recorded_fixes(table: pd.DataFrame, path: str | Path) -> dict[str, Array]:
     missing = [column for column in (*GNSS_VELOCITY, *GNSS_POSITION) if column not in table]
     if missing:
-        raise BadInput(f"{path}: there is no column {missing[0]}; record GNSS, or use zero-velocity fixes at a position")
+        raise BadInput(
+            f"{path}: there is no column {missing[0]}; record GNSS, or use zero-velocity fixes at a position"
+        )
     fix = table["gnss_velocity_east"].notna().to_numpy()
     if not fix.any():
         raise BadInput(f"{path}: no row has a fix (gnss_velocity_east is empty everywhere)")
@@ -233,7 +244,10 @@ def _recorded_fixes(table: pd.DataFrame, path: str | Path) -> dict[str, Array]:
     if incomplete.any():
         raise BadInput(f"{path}: line {int(np.flatnonzero(incomplete)[0]) + 2}: the fix is incomplete")
     columns = {f"gnss.velocity[{i + 1}]": table[name] for i, name in enumerate(GNSS_VELOCITY)}
-    columns |= {"gnss.latitude": table["gnss_latitude"] * DEGREE, "gnss.longitude": table["gnss_longitude"] * DEGREE}
+    columns |= {
+        "gnss.latitude": table["gnss_latitude"] * DEGREE,
+        "gnss.longitude": table["gnss_longitude"] * DEGREE,
+    }
     columns |= {"gnss.height": table["gnss_height"], "gnss.time": table.get("gnss_time", table["time"])}
     first = int(np.flatnonzero(fix)[0])
     signals = {
