@@ -17,6 +17,9 @@ using truth_plant::Parameters;
 // Tolerance when a communication step or a ratio of rates is taken for a whole number.
 constexpr double kWhole = 1e-3;
 
+// The same limit as that of motion.latitude [rad].
+constexpr double kHighestLatitude = 1.57;
+
 std::string element(const std::string& name, Eigen::Index index) {
     return name + "[" + rules::text(index + 1) + "]";
 }
@@ -85,14 +88,19 @@ void check_together(const Parameters& parameters) {
 plant::Ship ship(const Parameters::Motion& motion) {
     const auto& sway = motion.sway;
     const auto& wave = motion.wave;
-    plant::Ship ship{motion.course,
-                     motion.speed,
-                     {sway.amplitude, sway.period.cwiseInverse(), sway.phase},
-                     {wave.velocity, wave.period.cwiseInverse(), wave.phase},
-                     {}};
+    plant::Ship ship{
+        .course = motion.course,
+        .speed = motion.speed,
+        .sway = {.amplitude = sway.amplitude, .frequency = sway.period.cwiseInverse(), .phase = sway.phase},
+        .wave = {.amplitude = wave.velocity, .frequency = wave.period.cwiseInverse(), .phase = wave.phase},
+    };
     for (std::size_t i = 0; i < ship.turns.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
-        ship.turns[i] = {motion.turn.angle[row], motion.turn.begin[row], motion.turn.duration[row]};
+        ship.turns[i] = {
+            .angle = motion.turn.angle[row],
+            .begin = motion.turn.begin[row],
+            .duration = motion.turn.duration[row],
+        };
     }
     return ship;
 }
@@ -103,12 +111,24 @@ plant::ParkedVehicle parked_vehicle(const Parameters::Motion& motion) {
     // acceleration a sin(w t) = derivative of the velocity (a / w) sin(w t - pi / 2)
     const Eigen::Vector3d velocity =
         vibration.acceleration.cwiseQuotient(2.0 * std::numbers::pi * vibration.frequency);
-    return {motion.course,
-            settle.angle[0],
-            settle.angle[1],
-            settle.time_constant,
-            {vibration.angle, vibration.frequency, Eigen::Vector3d::Zero()},
-            {velocity, vibration.frequency, Eigen::Vector3d::Constant(-0.5 * std::numbers::pi)}};
+    return {
+        .heading = motion.course,
+        .settle_roll = settle.angle[0],
+        .settle_pitch = settle.angle[1],
+        .settle_time = settle.time_constant,
+        .angular_vibration =
+            {
+                .amplitude = vibration.angle,
+                .frequency = vibration.frequency,
+                .phase = Eigen::Vector3d::Zero(),
+            },
+        .vibration =
+            {
+                .amplitude = velocity,
+                .frequency = vibration.frequency,
+                .phase = Eigen::Vector3d::Constant(-0.5 * std::numbers::pi),
+            },
+    };
 }
 
 plant::Motion motion(const Parameters::Motion& motion) {
@@ -121,19 +141,21 @@ plant::Motion motion(const Parameters::Motion& motion) {
 // Gyro and accelerometer have the same errors in different units.
 template <class Sensor>
 plant::InertialSensor::Errors errors(const Sensor& sensor) {
-    return {.bias = sensor.bias,
-            .bias_sigma = sensor.bias_sigma,
-            .white_noise = sensor.white_noise,
-            .markov_sigma = sensor.markov_sigma,
-            .markov_time = sensor.markov_time,
-            .wave_sigma = sensor.wave_sigma,
-            .wave_period = sensor.wave_period,
-            .wave_damping = sensor.wave_damping,
-            .scale_factor = sensor.scale_factor,
-            .misalignment = sensor.misalignment,
-            .quantisation = sensor.quantisation,
-            .bias_step = sensor.bias_step,
-            .bias_step_time = sensor.bias_step_time};
+    return {
+        .bias = sensor.bias,
+        .bias_sigma = sensor.bias_sigma,
+        .white_noise = sensor.white_noise,
+        .markov_sigma = sensor.markov_sigma,
+        .markov_time = sensor.markov_time,
+        .wave_sigma = sensor.wave_sigma,
+        .wave_period = sensor.wave_period,
+        .wave_damping = sensor.wave_damping,
+        .scale_factor = sensor.scale_factor,
+        .misalignment = sensor.misalignment,
+        .quantisation = sensor.quantisation,
+        .bias_step = sensor.bias_step,
+        .bias_step_time = sensor.bias_step_time,
+    };
 }
 
 plant::GnssReceiver::Errors errors(const Parameters::Gnss& gnss) {
@@ -141,14 +163,28 @@ plant::GnssReceiver::Errors errors(const Parameters::Gnss& gnss) {
     plant::GnssReceiver::Errors errors{
         .position_sigma = gnss.position_sigma,
         .velocity_sigma = gnss.velocity_sigma,
-        .position_outliers = {gnss.position_outlier.probability, gnss.position_outlier.size},
-        .velocity_outliers = {gnss.velocity_outlier.probability, gnss.velocity_outlier.size},
+        .position_outliers =
+            {
+                .probability = gnss.position_outlier.probability,
+                .size = gnss.position_outlier.size,
+            },
+        .velocity_outliers =
+            {
+                .probability = gnss.velocity_outlier.probability,
+                .size = gnss.velocity_outlier.size,
+            },
         .noise_scale =
-            {step.factor, {step.begin, step.end}, sine.amplitude, sine.period, {sine.begin, sine.end}},
-        .outages = {}};
+            {
+                .step_factor = step.factor,
+                .step = {.begin = step.begin, .end = step.end},
+                .sine_amplitude = sine.amplitude,
+                .sine_period = sine.period,
+                .sine = {.begin = sine.begin, .end = sine.end},
+            },
+    };
     for (std::size_t i = 0; i < errors.outages.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
-        errors.outages[i] = {gnss.outage.begin[row], gnss.outage.end[row]};
+        errors.outages[i] = {.begin = gnss.outage.begin[row], .end = gnss.outage.end[row]};
     }
     return errors;
 }
@@ -161,17 +197,25 @@ plant::NoiseStream stream(const Parameters& parameters, plant::NoiseSource sourc
 
 TruthPlant::Models::Models(const Parameters& parameters)
     : trajectory(motion(parameters.motion),
-                 {parameters.motion.latitude, parameters.motion.longitude, parameters.motion.height}),
+                 {
+                     .latitude = parameters.motion.latitude,
+                     .longitude = parameters.motion.longitude,
+                     .height = parameters.motion.height,
+                 }),
       gyro(errors(parameters.imu.gyro), 1.0 / parameters.imu.rate,
-           {stream(parameters, plant::NoiseSource::gyro_bias),
-            stream(parameters, plant::NoiseSource::gyro_white),
-            stream(parameters, plant::NoiseSource::gyro_markov),
-            stream(parameters, plant::NoiseSource::gyro_wave)}),
+           {
+               .bias = stream(parameters, plant::NoiseSource::gyro_bias),
+               .white = stream(parameters, plant::NoiseSource::gyro_white),
+               .markov = stream(parameters, plant::NoiseSource::gyro_markov),
+               .wave = stream(parameters, plant::NoiseSource::gyro_wave),
+           }),
       accelerometer(errors(parameters.imu.accelerometer), 1.0 / parameters.imu.rate,
-                    {stream(parameters, plant::NoiseSource::accelerometer_bias),
-                     stream(parameters, plant::NoiseSource::accelerometer_white),
-                     stream(parameters, plant::NoiseSource::accelerometer_markov),
-                     stream(parameters, plant::NoiseSource::accelerometer_wave)}),
+                    {
+                        .bias = stream(parameters, plant::NoiseSource::accelerometer_bias),
+                        .white = stream(parameters, plant::NoiseSource::accelerometer_white),
+                        .markov = stream(parameters, plant::NoiseSource::accelerometer_markov),
+                        .wave = stream(parameters, plant::NoiseSource::accelerometer_wave),
+                    }),
       receiver(errors(parameters.gnss), static_cast<std::uint32_t>(parameters.seed)),
       samples_per_fix(static_cast<std::uint64_t>(std::llround(parameters.imu.rate / parameters.gnss.rate))),
       samples_of_latency(
@@ -181,12 +225,15 @@ void TruthPlant::initialise(double start_time) {
     validate(parameters);
     check_together(parameters);
     const Models& models = models_.emplace(parameters);
-    state_ = {.start_time = start_time,
-              .samples = 0,
-              .trajectory = models.trajectory.begin(start_time),
-              .gyro = models.gyro.begin(),
-              .accelerometer = models.accelerometer.begin(),
-              .fixes = {}};
+    state_ = {
+        .initialised = true,
+        .start_time = start_time,
+        .samples = 0,
+        .trajectory = models.trajectory.begin(start_time),
+        .gyro = models.gyro.begin(),
+        .accelerometer = models.accelerometer.begin(),
+        .fixes = {},
+    };
     outputs = {};
     outputs.imu.time = start_time;
     put_out(antenna(models));
@@ -202,15 +249,19 @@ void TruthPlant::step(double time, double step) {
     if (!models_) {
         throw std::logic_error("the plant cannot step before it is initialised");
     }
+    const Models& models = *models_;
     const double rate = parameters.imu.rate;
     const double periods = std::round(step * rate);
-    if (!(periods >= 1.0 && std::abs(step * rate - periods) <= kWhole)) {
+    const bool whole = periods >= 1.0 && std::abs(step * rate - periods) <= kWhole;
+    if (!whole) {
         throw std::invalid_argument("communication step of " + rules::text(step) +
                                     " s: must be a whole number of IMU periods of " +
                                     rules::text(1.0 / rate) + " s (imu.rate = " + rules::text(rate) + ")");
     }
     // A master may sum up its steps: rounding adds up, and still must not reach the next sample.
-    if (!(std::abs((time - state_.start_time) * rate - static_cast<double>(state_.samples)) <= 0.1)) {
+    const double ahead = (time - state_.start_time) * rate - static_cast<double>(state_.samples);
+    const bool continues = std::abs(ahead) <= 0.1;
+    if (!continues) {
         throw std::invalid_argument("communication step from " + rules::text(time) + " s: the plant is at " +
                                     rules::text(state_.trajectory.time) + " s");
     }
@@ -218,12 +269,15 @@ void TruthPlant::step(double time, double step) {
     outputs.imu.delta_angle.setZero();
     outputs.imu.delta_velocity.setZero();
     for (auto left = static_cast<std::uint64_t>(periods); left > 0; --left) {
-        sample(*models_);
-        receive(*models_);
+        sample(models);
+        receive(models);
     }
     ++outputs.imu.sample;
     outputs.imu.time = state_.trajectory.time;
-    put_out_truth(*models_);
+    put_out_truth(models);
+    if (std::abs(outputs.truth.latitude) > kHighestLatitude) {
+        throw std::invalid_argument("the motion has come to a pole, which the local-level frame excludes");
+    }
 }
 
 // One IMU period.
@@ -243,8 +297,8 @@ void TruthPlant::receive(const Models& models) {
         if (!models.receiver.lost(truth.time)) {
             state_.fixes.push(models.receiver.measure(state_.samples / models.samples_per_fix, truth),
                               state_.samples + models.samples_of_latency);
-        } else if (log_.listens()) {
-            log_.event("fix at " + rules::text(truth.time) + " s lost: gnss.outage");
+        } else if (log_->listens()) {
+            log_->event("fix at " + rules::text(truth.time) + " s lost: gnss.outage");
         }
     }
     while (state_.fixes.due(state_.samples)) {
@@ -256,8 +310,11 @@ void TruthPlant::receive(const Models& models) {
 plant::Fix TruthPlant::antenna(const Models& models) const {
     const plant::Kinematics& kinematics = state_.trajectory.kinematics;
     const earth::Position imu = models.trajectory.position(state_.trajectory);
-    return {state_.trajectory.time, displaced(imu, kinematics, parameters.gnss.lever_arm),
-            velocity_at(imu, kinematics, parameters.gnss.lever_arm)};
+    return {
+        .time = state_.trajectory.time,
+        .position = displaced(imu, kinematics, parameters.gnss.lever_arm),
+        .velocity = velocity_at(imu, kinematics, parameters.gnss.lever_arm),
+    };
 }
 
 void TruthPlant::put_out(const plant::Fix& fix) {
@@ -281,7 +338,8 @@ void TruthPlant::put_out_truth(const Models& models) {
         .height = position.height,
         .velocity = trajectory.kinematics.velocity,
         .gyro_bias = models.gyro.slow_error(state_.gyro, trajectory.time),
-        .accelerometer_bias = models.accelerometer.slow_error(state_.accelerometer, trajectory.time)};
+        .accelerometer_bias = models.accelerometer.slow_error(state_.accelerometer, trajectory.time),
+    };
 }
 
 }  // namespace truenorth

@@ -21,7 +21,7 @@ class TruthPlant {
     truth_plant::Inputs inputs;
     truth_plant::Outputs outputs;
 
-    explicit TruthPlant(Log& log) : log_(log) {}
+    explicit TruthPlant(Log& log) : log_(&log) {}
 
     void initialise(double start_time);
     void retune();
@@ -29,10 +29,9 @@ class TruthPlant {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        bool initialised = models_.has_value();
-        archive(parameters, inputs, outputs, state_, initialised);
+        archive(parameters, inputs, outputs, state_);
         if constexpr (Archive::is_loading::value) {
-            models_ = initialised ? std::optional<Models>(parameters) : std::nullopt;
+            models_ = state_.initialised ? std::optional<Models>(parameters) : std::nullopt;
         }
     }
 
@@ -50,6 +49,7 @@ class TruthPlant {
     };
 
     struct State {
+        bool initialised = false;
         double start_time = 0.0;    // [s]
         std::uint64_t samples = 0;  // IMU samples since then
         plant::Trajectory::State trajectory;
@@ -59,7 +59,7 @@ class TruthPlant {
 
         template <class Archive>
         void serialize(Archive& archive) {
-            archive(start_time, samples, trajectory, gyro, accelerometer, fixes);
+            archive(initialised, start_time, samples, trajectory, gyro, accelerometer, fixes);
         }
     };
 
@@ -69,7 +69,7 @@ class TruthPlant {
     void put_out(const plant::Fix& fix);
     void put_out_truth(const Models& models);
 
-    Log& log_;
+    Log* log_;
     std::optional<Models> models_;
     State state_;
 };

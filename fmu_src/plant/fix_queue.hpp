@@ -15,7 +15,7 @@ class FixQueue {
 
     // `due`: number of the IMU sample at whose end the fix appears. At most kCapacity fixes may wait.
     void push(const Fix& fix, std::uint64_t due) {
-        waiting_[(first_ + count_) % kCapacity] = {fix, due};
+        waiting_[(first_ + count_) % kCapacity] = {.fix = fix, .due = due};
         ++count_;
     }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace truenorth::plant {
 
@@ -22,8 +23,8 @@ Eigen::Vector3d Outliers::draw(const NoiseStream& stream, std::uint64_t fix) con
     return size * (u.head<3>().array() - 0.5).sign();
 }
 
-GnssReceiver::GnssReceiver(const Errors& errors, std::uint32_t seed)
-    : errors_(errors),
+GnssReceiver::GnssReceiver(Errors errors, std::uint32_t seed)
+    : errors_(std::move(errors)),
       position_(seed, NoiseSource::gnss_position),
       velocity_(seed, NoiseSource::gnss_velocity),
       position_outlier_(seed, NoiseSource::gnss_position_outlier),
@@ -42,7 +43,11 @@ Fix GnssReceiver::measure(std::uint64_t fix, const Fix& truth) const {
     const Eigen::Vector3d velocity_error =
         scale * errors_.velocity_sigma.cwiseProduct(velocity_.normal(fix)) +
         errors_.velocity_outliers.draw(velocity_outlier_, fix);
-    return {truth.time, earth::displaced(truth.position, position_error), truth.velocity + velocity_error};
+    return {
+        .time = truth.time,
+        .position = earth::displaced(truth.position, position_error),
+        .velocity = truth.velocity + velocity_error,
+    };
 }
 
 }  // namespace truenorth::plant

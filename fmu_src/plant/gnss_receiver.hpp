@@ -58,10 +58,10 @@ class GnssReceiver {
         Outliers position_outliers;                                // [m]
         Outliers velocity_outliers;                                // [m/s]
         NoiseScale noise_scale;
-        std::array<TimeWindow, 4> outages;
+        std::array<TimeWindow, 4> outages{};
     };
 
-    GnssReceiver(const Errors& errors, std::uint32_t seed);
+    GnssReceiver(Errors errors, std::uint32_t seed);
 
     // True when a fix valid at `time` would be lost.
     [[nodiscard]] bool lost(double time) const;

@@ -52,7 +52,9 @@ class InertialSensor {
 
     InertialSensor(const Errors& errors, double period, const Streams& streams);
 
-    [[nodiscard]] State begin() const { return {markov_.begin(), wave_.begin(), Eigen::Vector3d::Zero()}; }
+    [[nodiscard]] State begin() const {
+        return {.markov = markov_.begin(), .wave = wave_.begin(), .remainder = Eigen::Vector3d::Zero()};
+    }
 
     // Measured increment [u] of sample number `sample` (1, 2, ...), which ends at `time`.
     [[nodiscard]] Eigen::Vector3d measure(State& state, std::uint64_t sample, double time,

@@ -10,7 +10,7 @@
 namespace truenorth::plant {
 
 // The numbers are part of the signals: never renumber, or the same seed gives other signals.
-enum class NoiseSource : std::uint32_t {
+enum class NoiseSource : std::uint8_t {
     gyro_bias = 1,
     gyro_white = 2,
     gyro_markov = 3,

@@ -19,7 +19,7 @@ struct Oscillation {
     [[nodiscard]] Instant at(double time) const {
         const Eigen::Array3d omega = 2.0 * std::numbers::pi * frequency.array();
         const Eigen::Array3d angle = omega * time + phase.array();
-        return {amplitude.array() * angle.sin(), amplitude.array() * omega * angle.cos()};
+        return {.value = amplitude.array() * angle.sin(), .rate = amplitude.array() * omega * angle.cos()};
     }
 };
 

@@ -8,10 +8,10 @@
 namespace truenorth::plant {
 
 struct ParkedVehicle {
-    double heading;                 // clockwise from north [rad]
-    double settle_roll;             // at time 0 [rad]
-    double settle_pitch;            // at time 0 [rad]
-    double settle_time;             // time constant [s]
+    double heading = 0.0;           // clockwise from north [rad]
+    double settle_roll = 0.0;       // at time 0 [rad]
+    double settle_pitch = 0.0;      // at time 0 [rad]
+    double settle_time = 1.0;       // time constant [s]
     Oscillation angular_vibration;  // roll, pitch, yaw (counter-clockwise) [rad]
     Oscillation vibration;          // velocity east, north, up [m/s]
 

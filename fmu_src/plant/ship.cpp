@@ -16,12 +16,20 @@ Kinematics Ship::at(double time) const {
     const auto [water_velocity, water_acceleration] = wave.at(time);
 
     const auto [angle, angle_rate] = sway.at(time);
-    const EulerAngles attitude{angle[0], angle[1], course_now - angle[2]};
-    const EulerAngles attitude_rate{angle_rate[0], angle_rate[1], course_rate - angle_rate[2]};
+    const EulerAngles attitude{.roll = angle[0], .pitch = angle[1], .heading = course_now - angle[2]};
+    const EulerAngles attitude_rate{
+        .roll = angle_rate[0],
+        .pitch = angle_rate[1],
+        .heading = course_rate - angle_rate[2],
+    };
     const Eigen::Matrix3d C_bn = dcm(attitude);
 
-    return {speed * ahead + water_velocity, speed * course_rate * starboard + water_acceleration, C_bn,
-            body_rate(attitude, attitude_rate, C_bn)};
+    return {
+        .velocity = speed * ahead + water_velocity,
+        .acceleration = speed * course_rate * starboard + water_acceleration,
+        .C_bn = C_bn,
+        .omega_nb_b = body_rate(attitude, attitude_rate, C_bn),
+    };
 }
 
 }  // namespace truenorth::plant

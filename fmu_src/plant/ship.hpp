@@ -11,11 +11,11 @@
 namespace truenorth::plant {
 
 struct Ship {
-    double course;     // before all turns, clockwise from north [rad]
-    double speed;      // [m/s]
-    Oscillation sway;  // roll, pitch, yaw [rad]; yaw is counter-clockwise: heading = course - yaw
-    Oscillation wave;  // velocity east, north, up [m/s]
-    std::array<Turn, 8> turns;
+    double course = 0.0;  // before all turns, clockwise from north [rad]
+    double speed = 0.0;   // [m/s]
+    Oscillation sway;     // roll, pitch, yaw [rad]; yaw is counter-clockwise: heading = course - yaw
+    Oscillation wave;     // velocity east, north, up [m/s]
+    std::array<Turn, 8> turns{};
 
     [[nodiscard]] Kinematics at(double time) const;
 };

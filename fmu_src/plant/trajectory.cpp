@@ -15,7 +15,12 @@ struct Node {
 constexpr double kBeginWeight = 1.0 / 12.0;
 constexpr double kInnerNode = 0.27639320225002103;  // (1 - 1 / sqrt(5)) / 2
 constexpr std::array<Node, 3> kNodes{
-    {{kInnerNode, 5.0 / 12.0}, {1.0 - kInnerNode, 5.0 / 12.0}, {1.0, 1.0 / 12.0}}};
+    {
+        {.at = kInnerNode, .weight = 5.0 / 12.0},
+        {.at = 1.0 - kInnerNode, .weight = 5.0 / 12.0},
+        {.at = 1.0, .weight = 1.0 / 12.0},
+    },
+};
 
 Trajectory::Rates rates(const earth::Position& position, const Kinematics& kinematics) {
     const Eigen::Vector3d& velocity = kinematics.velocity;
@@ -24,21 +29,33 @@ Trajectory::Rates rates(const earth::Position& position, const Kinematics& kinem
     const Eigen::Vector3d gravity(0.0, 0.0, -earth::gravity(position.latitude, position.height));
     const Eigen::Vector3d f_n =
         kinematics.acceleration + (2.0 * omega_ie + omega_en).cross(velocity) - gravity;
-    return {kinematics.omega_nb_b + kinematics.C_bn.transpose() * (omega_ie + omega_en),
-            kinematics.C_bn.transpose() * f_n, earth::position_rate(position, velocity)};
+    return {
+        .omega_ib_b = kinematics.omega_nb_b + kinematics.C_bn.transpose() * (omega_ie + omega_en),
+        .f_b = kinematics.C_bn.transpose() * f_n,
+        .position_rate = earth::position_rate(position, velocity),
+    };
 }
 
 }  // namespace
 
 Trajectory::State Trajectory::begin(double time) const {
     const Kinematics kinematics = at(motion_, time);
-    return {time, Eigen::Vector3d::Zero(), kinematics, rates(start_, kinematics)};
+    return {
+        .time = time,
+        .travelled = Eigen::Vector3d::Zero(),
+        .kinematics = kinematics,
+        .rates = rates(start_, kinematics),
+    };
 }
 
 Trajectory::Increments Trajectory::advance(State& state, double to) const {
     const double duration = to - state.time;
     const Rates begin = state.rates;
-    Rates mean{kBeginWeight * begin.omega_ib_b, kBeginWeight * begin.f_b, kBeginWeight * begin.position_rate};
+    Rates mean{
+        .omega_ib_b = kBeginWeight * begin.omega_ib_b,
+        .f_b = kBeginWeight * begin.f_b,
+        .position_rate = kBeginWeight * begin.position_rate,
+    };
     for (const Node& node : kNodes) {
         const double elapsed = node.at * duration;
         state.kinematics = at(motion_, state.time + elapsed);
@@ -50,12 +67,15 @@ Trajectory::Increments Trajectory::advance(State& state, double to) const {
     }
     state.travelled += duration * mean.position_rate;
     state.time = to;
-    return {duration * mean.omega_ib_b, duration * mean.f_b};
+    return {.delta_angle = duration * mean.omega_ib_b, .delta_velocity = duration * mean.f_b};
 }
 
 earth::Position Trajectory::position(const Eigen::Vector3d& travelled) const {
-    return {start_.latitude + travelled.x(), wrap_angle(start_.longitude + travelled.y()),
-            start_.height + travelled.z()};
+    return {
+        .latitude = start_.latitude + travelled.x(),
+        .longitude = wrap_angle(start_.longitude + travelled.y()),
+        .height = start_.height + travelled.z(),
+    };
 }
 
 earth::Position displaced(const earth::Position& imu, const Kinematics& kinematics,

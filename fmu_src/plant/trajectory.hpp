@@ -8,6 +8,8 @@
 // interval.
 #pragma once
 
+#include <utility>
+
 #include "inertial/earth.hpp"
 #include "plant/kinematics.hpp"
 #include "plant/motion.hpp"
@@ -45,7 +47,7 @@ class Trajectory {
         }
     };
 
-    Trajectory(const Motion& motion, const earth::Position& start) : motion_(motion), start_(start) {}
+    Trajectory(Motion motion, const earth::Position& start) : motion_(std::move(motion)), start_(start) {}
 
     [[nodiscard]] State begin(double time) const;
 

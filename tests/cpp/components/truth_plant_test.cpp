@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
+#include <algorithm>
 #include <cereal/archives/binary.hpp>
 #include <cmath>
 #include <functional>
@@ -63,10 +63,9 @@ void make_perfect(Parameters& parameters) {
     parameters.gnss.velocity_sigma.setZero();
 }
 
-std::string bytes(Outputs outputs) {
+std::string bytes(const Outputs& outputs) {
     std::ostringstream stream;
-    cereal::BinaryOutputArchive archive(stream);
-    archive(outputs);
+    cereal::BinaryOutputArchive{stream}(outputs);
     return stream.str();
 }
 
@@ -238,6 +237,12 @@ TEST_F(TruthPlantTest, AnOutageLosesFixesAndLeavesTheOthersAsTheyWere) {
     EXPECT_EQ(dark.outputs.gnss.longitude, plant_.outputs.gnss.longitude);
 }
 
+// Of the truth or of a fix.
+template <class Group>
+earth::Position place(const Group& group) {
+    return {.latitude = group.latitude, .longitude = group.longitude, .height = group.height};
+}
+
 TEST_F(TruthPlantTest, TheAntennaIsAtTheEndOfTheLeverArm) {
     Parameters& parameters = plant_.parameters;
     make_perfect(parameters);
@@ -247,8 +252,7 @@ TEST_F(TruthPlantTest, TheAntennaIsAtTheEndOfTheLeverArm) {
     run(plant_, 0, 100);
     const auto& truth = plant_.outputs.truth;
     const auto& gnss = plant_.outputs.gnss;
-    const Eigen::Vector3d offset = earth::displacement({truth.latitude, truth.longitude, truth.height},
-                                                       {gnss.latitude, gnss.longitude, gnss.height});
+    const Eigen::Vector3d offset = earth::displacement(place(truth), place(gnss));
     EXPECT_LT((offset - 20.0 * Eigen::Vector3d(std::sin(truth.roll), 0.0, std::cos(truth.roll))).norm(),
               1e-6);
     const double omega = 2.0 * std::numbers::pi / 8.0;
@@ -260,32 +264,39 @@ TEST_F(TruthPlantTest, TheAntennaIsAtTheEndOfTheLeverArm) {
 
 // ---------------------------------------------------------------- determinism
 
-TEST_F(TruthPlantTest, LongerStepsSumTheSameSignals) {
-    for (const int periods : {2, 5, 10}) {
-        TruthPlant fine(log_);
-        TruthPlant coarse(log_);
-        switch_everything_on(fine.parameters);
-        switch_everything_on(coarse.parameters);
-        fine.initialise(0.0);
-        coarse.initialise(0.0);
-        for (int k = 0; k < 600; k += periods) {
-            Eigen::Vector3d angle = Eigen::Vector3d::Zero();
-            Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-            for (int i = k; i < k + periods; ++i) {
-                run(fine, i, i + 1);
-                angle += fine.outputs.imu.delta_angle;
-                velocity += fine.outputs.imu.delta_velocity;
-            }
-            run(coarse, k, k + periods, periods);
-            ASSERT_LT((coarse.outputs.imu.delta_angle - angle).norm(), 1e-15);
-            ASSERT_LT((coarse.outputs.imu.delta_velocity - velocity).norm(), 1e-14);
-            Outputs rest = fine.outputs;
-            rest.imu = coarse.outputs.imu;
-            ASSERT_EQ(bytes(rest), bytes(coarse.outputs));
-            ASSERT_EQ(fine.outputs.imu.time, coarse.outputs.imu.time);
-        }
+// Sums of the delta angles and delta velocities of single IMU periods.
+std::pair<Eigen::Vector3d, Eigen::Vector3d> summed_increments(TruthPlant& plant, int from, int to) {
+    std::pair<Eigen::Vector3d, Eigen::Vector3d> sums(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+    for (int k = from; k < to; ++k) {
+        run(plant, k, k + 1);
+        sums.first += plant.outputs.imu.delta_angle;
+        sums.second += plant.outputs.imu.delta_velocity;
+    }
+    return sums;
+}
+
+class LongerSteps : public TruthPlantTest, public testing::WithParamInterface<int> {};
+
+TEST_P(LongerSteps, SumTheSameSignals) {
+    const int periods = GetParam();
+    TruthPlant fine(log_);
+    switch_everything_on(fine.parameters);
+    switch_everything_on(plant_.parameters);
+    fine.initialise(0.0);
+    plant_.initialise(0.0);
+    for (int k = 0; k < 600; k += periods) {
+        const auto [angle, velocity] = summed_increments(fine, k, k + periods);
+        run(plant_, k, k + periods, periods);
+        ASSERT_LT((plant_.outputs.imu.delta_angle - angle).norm(), 1e-15);
+        ASSERT_LT((plant_.outputs.imu.delta_velocity - velocity).norm(), 1e-14);
+        ASSERT_EQ(plant_.outputs.imu.time, fine.outputs.imu.time);
+        Outputs others = fine.outputs;
+        others.imu = plant_.outputs.imu;
+        ASSERT_EQ(bytes(plant_.outputs), bytes(others));
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(Periods, LongerSteps, testing::Values(2, 5, 10));
 
 TEST_F(TruthPlantTest, ARestoredPlantContinuesToTheBit) {
     for (const MotionKind kind : {MotionKind::ship, MotionKind::parked_vehicle}) {
@@ -420,58 +431,67 @@ TEST_F(TruthPlantTest, AcceptsTimesThatAMasterSummedUp) {
     EXPECT_EQ(plant_.outputs.imu.time, 1000.0);
 }
 
-TEST_F(TruthPlantTest, RefusesParametersWithASentence) {
-    const std::vector<std::pair<std::function<void(Parameters&)>, std::string>> cases{
-        {[](Parameters& p) { p.imu.rate = 0.0; }, "imu.rate = 0: must be greater than 0"},
-        {[](Parameters& p) { p.motion.latitude = 1.6; }, "motion.latitude = 1.6: must be at most 1.57"},
-        {[](Parameters& p) { p.gnss.rate = 3.0; },
-         "gnss.rate = 3: must be imu.rate (100) divided by a whole number"},
-        {[](Parameters& p) {
-             p.imu.rate = 0.5;
-             p.motion.sway.period.setConstant(100.0);
-         },
-         "gnss.rate = 1: must be imu.rate (0.5) divided by a whole number"},
-        {[](Parameters& p) { p.gnss.latency = 40.0; },
-         "gnss.latency = 40: must be at most 31 periods of gnss.rate (31)"},
-        {[](Parameters& p) { p.gnss.outage.begin[2] = 5.0; },
-         "gnss.outage.end[3] = 0: must be at least gnss.outage.begin[3] (5)"},
-        {[](Parameters& p) { p.gnss.noise_scale.step.end = 1.0; },
-         "gnss.noise_scale.step.end = 1: must be at least gnss.noise_scale.step.begin (600)"},
-        {[](Parameters& p) { p.gnss.noise_scale.sine.end = 1.0; },
-         "gnss.noise_scale.sine.end = 1: must be at least gnss.noise_scale.sine.begin (2400)"},
-        {[](Parameters& p) {
-             p.imu.rate = 10.0;
-             p.motion.sway.period[1] = 0.2;
-         },
-         "motion.sway.period[2] = 0.2: must be greater than two IMU periods (0.2)"},
-        {[](Parameters& p) {
-             p.imu.rate = 10.0;
-             p.motion.wave.velocity[2] = 1.0;
-             p.motion.wave.period[2] = 0.1;
-         },
-         "motion.wave.period[3] = 0.1: must be greater than two IMU periods (0.2)"},
-        {[](Parameters& p) {
-             p.motion.kind = MotionKind::parked_vehicle;
-             p.motion.vibration.frequency[0] = 50.0;
-         },
-         "motion.vibration.frequency[1] = 50: must be less than half of imu.rate (50)"},
-    };
-    for (const auto& [change, sentence] : cases) {
-        TruthPlant plant(log_);
-        change(plant.parameters);
-        EXPECT_THROW(
-            {
-                try {
-                    plant.initialise(0.0);
-                } catch (const InvalidParameter& error) {
-                    EXPECT_EQ(error.what(), sentence);
-                    throw;
-                }
-            },
-            InvalidParameter)
-            << sentence;
-    }
+TEST_F(TruthPlantTest, RefusesToPassAPole) {
+    plant_.parameters.motion.latitude = 1.57;
+    plant_.parameters.motion.course = std::numbers::pi;
+    plant_.initialise(0.0);
+    EXPECT_NO_THROW(plant_.step(0.0, 1.0));
+    plant_.parameters.motion.course = 0.0;
+    plant_.initialise(0.0);
+    EXPECT_EQ(refusal([&] { plant_.step(0.0, 1.0); }),
+              "the motion has come to a pole, which the local-level frame excludes");
 }
+
+struct Refusal {
+    std::function<void(Parameters&)> change;
+    std::string sentence;
+};
+
+class RefusedParameter : public TruthPlantTest, public testing::WithParamInterface<Refusal> {};
+
+TEST_P(RefusedParameter, IsNamedWithItsValueAndTheRule) {
+    GetParam().change(plant_.parameters);
+    EXPECT_THROW(plant_.initialise(0.0), InvalidParameter);
+    EXPECT_EQ(refusal([&] { plant_.initialise(0.0); }), GetParam().sentence);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Rules, RefusedParameter,
+    testing::Values(
+        Refusal{[](Parameters& p) { p.imu.rate = 0.0; }, "imu.rate = 0: must be greater than 0"},
+        Refusal{[](Parameters& p) { p.motion.latitude = 1.6; },
+                "motion.latitude = 1.6: must be at most 1.57"},
+        Refusal{[](Parameters& p) { p.gnss.rate = 3.0; },
+                "gnss.rate = 3: must be imu.rate (100) divided by a whole number"},
+        Refusal{[](Parameters& p) {
+                    p.imu.rate = 0.5;
+                    p.motion.sway.period.setConstant(100.0);
+                },
+                "gnss.rate = 1: must be imu.rate (0.5) divided by a whole number"},
+        Refusal{[](Parameters& p) { p.gnss.latency = 40.0; },
+                "gnss.latency = 40: must be at most 31 periods of gnss.rate (31)"},
+        Refusal{[](Parameters& p) { p.gnss.outage.begin[2] = 5.0; },
+                "gnss.outage.end[3] = 0: must be at least gnss.outage.begin[3] (5)"},
+        Refusal{[](Parameters& p) { p.gnss.noise_scale.step.end = 1.0; },
+                "gnss.noise_scale.step.end = 1: must be at least gnss.noise_scale.step.begin (600)"},
+        Refusal{[](Parameters& p) { p.gnss.noise_scale.sine.end = 1.0; },
+                "gnss.noise_scale.sine.end = 1: must be at least gnss.noise_scale.sine.begin (2400)"},
+        Refusal{[](Parameters& p) {
+                    p.imu.rate = 10.0;
+                    p.motion.sway.period[1] = 0.2;
+                },
+                "motion.sway.period[2] = 0.2: must be greater than two IMU periods (0.2)"},
+        Refusal{[](Parameters& p) {
+                    p.imu.rate = 10.0;
+                    p.motion.wave.velocity[2] = 1.0;
+                    p.motion.wave.period[2] = 0.1;
+                },
+                "motion.wave.period[3] = 0.1: must be greater than two IMU periods (0.2)"},
+        Refusal{[](Parameters& p) {
+                    p.motion.kind = MotionKind::parked_vehicle;
+                    p.motion.vibration.frequency[0] = 50.0;
+                },
+                "motion.vibration.frequency[1] = 50: must be less than half of imu.rate (50)"}));
 
 TEST_F(TruthPlantTest, OscillationsThatAreOffMayHaveAnyPeriod) {
     plant_.parameters.imu.rate = 1.0;

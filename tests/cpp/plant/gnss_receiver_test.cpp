@@ -11,7 +11,13 @@ namespace {
 
 constexpr double kSigmas = 5.0;  // every statistical bound here is missed by chance once in 2 million
 
-Fix truth(double time) { return {time, {0.9, -1.2, 35.0}, {1.0, 2.0, 3.0}}; }
+Fix truth(double time) {
+    return {
+        .time = time,
+        .position = {.latitude = 0.9, .longitude = -1.2, .height = 35.0},
+        .velocity = {1.0, 2.0, 3.0},
+    };
+}
 
 Eigen::Vector3d position_error(const Fix& fix) {
     return earth::displacement(truth(0.0).position, fix.position);
@@ -44,39 +50,42 @@ TEST_P(ReceiverOfSeed, NoiseHasItsSigmas) {
     }
 }
 
-TEST_P(ReceiverOfSeed, OutliersComeWithTheirProbabilityAndSize) {
+TEST_P(ReceiverOfSeed, OutliersComeWithTheirProbability) {
     GnssReceiver::Errors errors;
-    errors.velocity_outliers = {0.05, 2.0};
-    errors.position_outliers = {0.2, 50.0};
+    errors.velocity_outliers = {.probability = 0.05, .size = 2.0};
+    errors.position_outliers = {.probability = 0.2, .size = 50.0};
     const GnssReceiver receiver(errors, GetParam());
     constexpr int count = 20000;
-    int velocity_outliers = 0;
-    int position_outliers = 0;
-    int both = 0;
-    Eigen::Vector3d signs = Eigen::Vector3d::Zero();
+    Eigen::Array3i found = Eigen::Array3i::Zero();  // of the velocity, of the position, of both in one fix
     for (std::uint64_t k = 1; k <= count; ++k) {
         const Fix fix = receiver.measure(k, truth(0.0));
-        const bool velocity_is_off = velocity_error(fix).norm() > 0.0;
-        const bool position_is_off = position_error(fix).norm() > 0.0;
-        if (velocity_is_off) {
-            ASSERT_LT((velocity_error(fix).cwiseAbs() - Eigen::Vector3d::Constant(2.0)).norm(), 1e-12);
-            signs += velocity_error(fix).cwiseSign();
-        }
-        if (position_is_off) {
-            ASSERT_LT((position_error(fix).cwiseAbs() - Eigen::Vector3d::Constant(50.0)).norm(), 1e-6);
-        }
-        velocity_outliers += velocity_is_off ? 1 : 0;
-        position_outliers += position_is_off ? 1 : 0;
-        both += velocity_is_off && position_is_off ? 1 : 0;
+        const int velocity = velocity_error(fix).norm() > 0.0 ? 1 : 0;
+        const int position = position_error(fix).norm() > 0.0 ? 1 : 0;
+        found += Eigen::Array3i(velocity, position, velocity * position);
     }
-    const auto rate = [](int number) { return static_cast<double>(number) / count; };
-    const auto bound = [](double probability) {
-        return kSigmas * std::sqrt(probability * (1.0 - probability) / count);
-    };
-    EXPECT_NEAR(rate(velocity_outliers), 0.05, bound(0.05));
-    EXPECT_NEAR(rate(position_outliers), 0.2, bound(0.2));
-    EXPECT_NEAR(rate(both), 0.01, bound(0.01));  // independent
-    EXPECT_LT(signs.cwiseAbs().maxCoeff(), kSigmas * std::sqrt(velocity_outliers));
+    const Eigen::Array3d probability(0.05, 0.2, 0.05 * 0.2);
+    const Eigen::Array3d sigma = (probability * (1.0 - probability) / count).sqrt();
+    EXPECT_LT(((found.cast<double>() / count - probability) / sigma).abs().maxCoeff(), kSigmas);
+}
+
+TEST_P(ReceiverOfSeed, OutliersHaveTheirSizeAndRandomSigns) {
+    GnssReceiver::Errors errors;
+    errors.velocity_outliers = {.probability = 1.0, .size = 2.0};
+    errors.position_outliers = {.probability = 1.0, .size = 50.0};
+    const GnssReceiver receiver(errors, GetParam());
+    constexpr int count = 20000;
+    Eigen::Vector3d signs = Eigen::Vector3d::Zero();
+    Eigen::Vector3d products = Eigen::Vector3d::Zero();
+    for (std::uint64_t k = 1; k <= count; ++k) {
+        const Fix fix = receiver.measure(k, truth(0.0));
+        const Eigen::Vector3d sign = 0.5 * velocity_error(fix);
+        ASSERT_LT((sign.cwiseAbs() - Eigen::Vector3d::Ones()).norm(), 1e-12);
+        ASSERT_LT((position_error(fix).cwiseAbs() / 50.0 - Eigen::Vector3d::Ones()).norm(), 1e-8);
+        signs += sign;
+        products += Eigen::Vector3d(sign.x() * sign.y(), sign.y() * sign.z(), sign.z() * sign.x());
+    }
+    EXPECT_LT(signs.cwiseAbs().maxCoeff(), kSigmas * std::sqrt(count));
+    EXPECT_LT(products.cwiseAbs().maxCoeff(), kSigmas * std::sqrt(count));
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, ReceiverOfSeed, testing::Values(1U, 2U, 3U));
@@ -86,7 +95,7 @@ TEST(GnssReceiver, OutliersLeaveTheNoiseAsItWas) {
     errors.velocity_sigma = {0.1, 0.1, 0.1};
     errors.position_sigma = {5.0, 5.0, 5.0};
     const GnssReceiver clean(errors, 1);
-    errors.velocity_outliers = {1.0, 2.0};
+    errors.velocity_outliers = {.probability = 1.0, .size = 2.0};
     const GnssReceiver dirty(errors, 1);
     for (std::uint64_t k = 1; k <= 100; ++k) {
         const Eigen::Vector3d difference =
@@ -98,7 +107,13 @@ TEST(GnssReceiver, OutliersLeaveTheNoiseAsItWas) {
 
 // Jing 2023, eq. 21.
 TEST(GnssReceiver, TheNoiseFollowsItsProfile) {
-    const NoiseScale jing{6.0, {600.0, 1200.0}, 9.0, 1200.0, {2400.0, 3000.0}};
+    const NoiseScale jing{
+        .step_factor = 6.0,
+        .step = {.begin = 600.0, .end = 1200.0},
+        .sine_amplitude = 9.0,
+        .sine_period = 1200.0,
+        .sine = {.begin = 2400.0, .end = 3000.0},
+    };
     EXPECT_EQ(jing.at(599.0), 1.0);
     EXPECT_EQ(jing.at(600.0), 6.0);
     EXPECT_EQ(jing.at(1199.0), 6.0);
@@ -121,8 +136,8 @@ TEST(GnssReceiver, TheNoiseFollowsItsProfile) {
 
 TEST(GnssReceiver, FixesAreLostInOutagesAlone) {
     GnssReceiver::Errors errors;
-    errors.outages[0] = {10.0, 20.0};
-    errors.outages[3] = {30.0, 31.0};
+    errors.outages[0] = {.begin = 10.0, .end = 20.0};
+    errors.outages[3] = {.begin = 30.0, .end = 31.0};
     const GnssReceiver receiver(errors, 1);
     EXPECT_FALSE(receiver.lost(0.0));  // unused outages begin and end at 0
     EXPECT_FALSE(receiver.lost(9.0));

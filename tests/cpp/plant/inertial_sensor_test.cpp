@@ -12,18 +12,21 @@ namespace {
 
 constexpr double kPeriod = 0.01;
 constexpr double kSigmas = 5.0;  // every statistical bound here is missed by chance once in 2 million
-const Eigen::Vector3d kIncrement(1e-3, -2e-3, 3e-3);
+
+Eigen::Vector3d some_increment() { return {1e-3, -2e-3, 3e-3}; }
 
 InertialSensor::Streams streams(std::uint32_t seed) {
-    return {{seed, NoiseSource::gyro_bias},
-            {seed, NoiseSource::gyro_white},
-            {seed, NoiseSource::gyro_markov},
-            {seed, NoiseSource::gyro_wave}};
+    return {
+        .bias = {seed, NoiseSource::gyro_bias},
+        .white = {seed, NoiseSource::gyro_white},
+        .markov = {seed, NoiseSource::gyro_markov},
+        .wave = {seed, NoiseSource::gyro_wave},
+    };
 }
 
 // What a sensor makes of `count` equal increments.
 std::vector<Eigen::Vector3d> measure(const InertialSensor::Errors& errors, std::uint32_t seed, int count,
-                                     const Eigen::Vector3d& increment = kIncrement) {
+                                     const Eigen::Vector3d& increment = some_increment()) {
     const InertialSensor sensor(errors, kPeriod, streams(seed));
     InertialSensor::State state = sensor.begin();
     std::vector<Eigen::Vector3d> measured;
@@ -34,15 +37,15 @@ std::vector<Eigen::Vector3d> measure(const InertialSensor::Errors& errors, std::
 }
 
 TEST(InertialSensor, WithoutErrorsTheTruthComesOut) {
-    for (const Eigen::Vector3d& increment : measure({}, 1, 10)) {
-        EXPECT_EQ(increment, kIncrement);
+    for (const Eigen::Vector3d& increment : measure(InertialSensor::Errors(), 1, 10)) {
+        EXPECT_EQ(increment, some_increment());
     }
 }
 
 TEST(InertialSensor, FixedBiasIsAddedToTheRate) {
     InertialSensor::Errors errors;
     errors.bias = {0.1, 0.2, -0.3};
-    EXPECT_LT((measure(errors, 1, 1)[0] - kIncrement - errors.bias * kPeriod).norm(), 1e-17);
+    EXPECT_LT((measure(errors, 1, 1)[0] - some_increment() - errors.bias * kPeriod).norm(), 1e-17);
 }
 
 TEST(InertialSensor, ScaleFactorsAndMisalignment) {
@@ -92,7 +95,7 @@ TEST(InertialSensor, TheQuantiserCarriesItsRemainder) {
         const Eigen::Vector3d counts = increment / errors.quantisation;
         EXPECT_LT((counts.array() - counts.array().round()).abs().maxCoeff(), 1e-12);
         sum += increment;
-        truth += kIncrement;
+        truth += some_increment();
         EXPECT_LE((sum - truth).cwiseAbs().maxCoeff(), 0.5 * errors.quantisation + 1e-12);
     }
 }
@@ -101,15 +104,20 @@ TEST(InertialSensor, TheQuantiserCarriesItsRemainder) {
 
 // Switching one source off takes away that source's part alone, sample for sample.
 TEST(InertialSensor, SourcesDoNotDisturbEachOther) {
-    const InertialSensor::Errors all{.bias_sigma = 0.1,
-                                     .white_noise = 0.2,
-                                     .markov_sigma = 0.3,
-                                     .markov_time = 5.0,
-                                     .wave_sigma = 0.4,
-                                     .wave_period = 2.0};
+    const InertialSensor::Errors all{
+        .bias_sigma = 0.1,
+        .white_noise = 0.2,
+        .markov_sigma = 0.3,
+        .markov_time = 5.0,
+        .wave_sigma = 0.4,
+        .wave_period = 2.0,
+    };
     const std::vector<double InertialSensor::Errors::*> sources{
-        &InertialSensor::Errors::bias_sigma, &InertialSensor::Errors::white_noise,
-        &InertialSensor::Errors::markov_sigma, &InertialSensor::Errors::wave_sigma};
+        &InertialSensor::Errors::bias_sigma,
+        &InertialSensor::Errors::white_noise,
+        &InertialSensor::Errors::markov_sigma,
+        &InertialSensor::Errors::wave_sigma,
+    };
     const auto with_all = measure(all, 7, 500, Eigen::Vector3d::Zero());
     for (const auto source : sources) {
         InertialSensor::Errors without = all;

@@ -7,31 +7,17 @@
 #include <numbers>
 
 #include "inertial/mechanisation.hpp"
+#include "plant/motions.hpp"
 
 namespace truenorth::plant {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-const earth::Position kStart{32.0 * kDegree, 118.0 * kDegree, 20.0};
+constexpr earth::Position kStart{.latitude = 32.0 * kDegree, .longitude = 118.0 * kDegree, .height = 20.0};
 
-Ship ship_in_waves() {
-    Ship ship{0.3,
-              10.0,
-              {kDegree * Eigen::Vector3d(8, 6, 5), Eigen::Vector3d(8, 10, 6).cwiseInverse(), {0.3, 1.1, 2.0}},
-              {Eigen::Vector3d::Constant(0.5), Eigen::Vector3d(7, 9, 8).cwiseInverse(), {0.0, 1.0, 0.5}},
-              {}};
-    ship.turns[0] = {90.0 * kDegree, 2.0, 60.0};
+Ship turning_ship() {
+    Ship ship = swaying_ship();
+    ship.turns[0] = {.angle = 90.0 * kDegree, .begin = 2.0, .duration = 60.0};
     return ship;
-}
-
-ParkedVehicle parked_vehicle() {
-    const Eigen::Vector3d frequency(11.0, 12.0, 13.0);
-    return {1.0,
-            4e-4,
-            4e-4,
-            60.0,
-            {Eigen::Vector3d::Constant(4e-5), frequency, Eigen::Vector3d::Zero()},
-            {{3e-4, 3e-4, 6e-4}, frequency, Eigen::Vector3d::Constant(-1.5)}};
 }
 
 template <class Function>
@@ -73,7 +59,7 @@ std::array<double, 2> increment_error(const Motion& motion, double begin, double
 // of a turn.
 TEST(Trajectory, IncrementsOfTheShipAreIntegrals) {
     for (const double begin : {0.0, 1.7, 31.0, 61.995}) {
-        const auto [angle, velocity] = increment_error(ship_in_waves(), begin, 0.01);
+        const auto [angle, velocity] = increment_error(turning_ship(), begin, 0.01);
         EXPECT_LT(angle, 8e-16) << "t = " << begin;
         EXPECT_LT(velocity, 1.6e-12) << "t = " << begin;
     }
@@ -92,7 +78,7 @@ TEST(Trajectory, IncrementsOfTheParkedVehicleAreIntegrals) {
 
 // Position, and integrals over ten minutes, do not depend on the IMU's rate.
 TEST(Trajectory, TheRateOfTheImuDoesNotMatter) {
-    const Trajectory trajectory(ship_in_waves(), kStart);
+    const Trajectory trajectory(turning_ship(), kStart);
     const auto run = [&](int rate) {
         Trajectory::State state = trajectory.begin(0.0);
         Eigen::Vector3d angle = Eigen::Vector3d::Zero();
@@ -158,7 +144,7 @@ Matrix second_derivative(const std::array<Matrix, 5>& x) {
 
 // In e: r'' = C_be f^b + g - 2 Omega x r', C_be' = C_be [w_eb x]: no transport rate, no radii of curvature.
 TEST(Trajectory, RatesAgreeWithDerivativesInTheEarthFixedFrame) {
-    const Trajectory trajectory(ship_in_waves(), kStart);
+    const Trajectory trajectory(turning_ship(), kStart);
     const Eigen::Vector3d Omega(0.0, 0.0, earth::kRate);
     const auto states = around(trajectory, 30.0);
     std::array<Eigen::Vector3d, 5> r;
@@ -184,7 +170,7 @@ TEST(Trajectory, RatesAgreeWithDerivativesInTheEarthFixedFrame) {
 }
 
 TEST(Trajectory, VelocityOfALeverArmIsTheDerivativeOfItsPosition) {
-    const Trajectory trajectory(ship_in_waves(), kStart);
+    const Trajectory trajectory(turning_ship(), kStart);
     const Eigen::Vector3d lever_arm(2.0, -10.0, 25.0);
     const auto states = around(trajectory, 30.0);
     std::array<Eigen::Vector3d, 5> r;
@@ -197,10 +183,9 @@ TEST(Trajectory, VelocityOfALeverArmIsTheDerivativeOfItsPosition) {
 }
 
 TEST(Trajectory, CrossesTheDateLine) {
-    Ship ship = ship_in_waves();
+    Ship ship = swaying_ship();
     ship.course = 0.5 * std::numbers::pi;
-    ship.turns = {};
-    const Trajectory trajectory(ship, {0.0, std::numbers::pi - 1e-7, 0.0});
+    const Trajectory trajectory(ship, {.latitude = 0.0, .longitude = std::numbers::pi - 1e-7, .height = 0.0});
     Trajectory::State state = trajectory.begin(0.0);
     trajectory.advance(state, 0.1);
     trajectory.advance(state, 0.2);
@@ -209,16 +194,20 @@ TEST(Trajectory, CrossesTheDateLine) {
 
 // The loop closes: the increments, mechanised from a perfect start, give the trajectory back.
 TEST(Trajectory, TheMechanisationFollowsTheShip) {
-    const Trajectory trajectory(ship_in_waves(), kStart);
+    const Trajectory trajectory(turning_ship(), kStart);
     Trajectory::State state = trajectory.begin(0.0);
-    Mechanisation mechanisation(
-        {Eigen::Quaterniond(state.kinematics.C_bn), state.kinematics.velocity, trajectory.position(state)});
+    Mechanisation mechanisation({
+        .q_bn = Eigen::Quaterniond(state.kinematics.C_bn),
+        .velocity = state.kinematics.velocity,
+        .position = trajectory.position(state),
+    });
     double attitude_error = 0.0;
     double velocity_error = 0.0;
     for (int k = 1; k <= 60000; ++k) {
         const double begin = state.time;
         const auto [delta_angle, delta_velocity] = trajectory.advance(state, k / 100.0);
-        mechanisation.advance({state.time - begin, delta_angle, delta_velocity});
+        mechanisation.advance(
+            {.dt = state.time - begin, .delta_angle = delta_angle, .delta_velocity = delta_velocity});
         const Eigen::Matrix3d error =
             mechanisation.state.q_bn.toRotationMatrix() * state.kinematics.C_bn.transpose();
         attitude_error = std::max(attitude_error, rotation_vector(Eigen::Quaterniond(error)).norm());
