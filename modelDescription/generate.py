@@ -101,6 +101,13 @@ def content_hash(parts: list[str], sources: list[Path]) -> str:
     return f"{{{uuid.UUID(bytes=digest.digest()[:16])}}}"
 
 
+def write(path: Path, text: str) -> None:
+    """Write a text unless the file has it already, so that nothing is compiled anew without need."""
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8", newline="\n")
+
+
 def main() -> int:
     """Command line."""
     parser = argparse.ArgumentParser(
@@ -123,9 +130,7 @@ def main() -> int:
         sources = sorted(path for path in (ROOT / "fmu_src").rglob("*.[ch]pp"))
         files = description(declaration, product, sources)
     for name, text in files.items():
-        path = arguments.folder / declaration.name / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8", newline="\n")
+        write(arguments.folder / declaration.name / name, text)
     return 0
 
 

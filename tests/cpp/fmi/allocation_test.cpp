@@ -1,0 +1,116 @@
+// After initialisation no FMU allocates: not in fmi2DoStep, not in fmi2GetXxx, not in fmi2SetXxx.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "allocation_count.hpp"
+#include "loaded_fmu.hpp"
+
+namespace truenorth::test {
+namespace {
+
+constexpr double step_size = 0.01;
+constexpr int steps = 6000;
+
+std::string description_of(const std::string& name) {
+    return std::string(GENERATED) + "/" + name + "/modelDescription.xml";
+}
+
+template <class Value>
+Port<Value> port(const LoadedFmu& fmu, const std::vector<std::string>& names) {
+    Port<Value> port{names, {}, std::vector<Value>(names.size())};
+    for (const std::string& name : names) port.references.push_back(fmu.reference(name));
+    return port;
+}
+
+// Sources and sinks of the same signals.
+template <class Value>
+struct Connection {
+    Port<Value> from;
+    Port<Value> to;
+
+    Connection(const LoadedFmu& plant, const LoadedFmu& filter, const std::string& type)
+        : from(port<Value>(plant, filter.names(type, "input"))), to(port<Value>(filter, from.names)) {}
+
+    void carry(LoadedFmu& plant, LoadedFmu& filter) {
+        plant.read(from);
+        to.values = from.values;  // of equal size: nothing is allocated
+        filter.write(to);
+    }
+};
+
+struct Setting {
+    const char* name;
+    int predictor;
+    int corrector;
+    int scaling;
+};
+
+class Allocation : public testing::TestWithParam<Setting> {
+  protected:
+    LoadedFmu plant{PLANT, description_of("TruthPlant")};
+    LoadedFmu filter{FILTER, description_of("AlignmentFilter")};
+};
+
+TEST_P(Allocation, NoneInSteps) {
+    filter.set("predictor", GetParam().predictor);
+    filter.set("corrector", GetParam().corrector);
+    filter.set("robust.scaling", GetParam().scaling);
+    plant.start();
+    for (const char* angle : {"roll", "pitch", "heading", "latitude", "longitude"}) {
+        const double truth = plant.get(std::string("truth.") + angle);
+        filter.set(std::string("initial.") + angle, std::remainder(truth, 2.0 * std::acos(-1.0)));
+    }
+    filter.set("initial.velocity[2]", plant.get("truth.velocity[2]"));
+    filter.start();
+
+    Connection<double> reals(plant, filter, "Real");
+    Connection<int> integers(plant, filter, "Integer");
+    Port<double> results = port<double>(filter, filter.names("Real", "output"));
+    Port<int> counters = port<int>(filter, {"used_fixes", "rejected_samples"});
+    ASSERT_GE(reals.from.names.size(), 10U);
+    ASSERT_GE(results.names.size(), 30U);
+
+    const long before = allocations();
+    for (int i = 0; i < steps; ++i) {
+        plant.step(i * step_size, step_size);
+        reals.carry(plant, filter);
+        integers.carry(plant, filter);
+        filter.step(i * step_size, step_size);
+        filter.read(results);
+        filter.read(counters);
+    }
+    const long after = allocations();
+    EXPECT_EQ(after - before, 0);
+
+    // The filter was at work.
+    EXPECT_GE(counters.values[0], 50);
+    EXPECT_EQ(counters.values[1], 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Filters, Allocation,
+                         testing::Values(Setting{"linearised", 1, 1, 2}, Setting{"unscented", 2, 1, 2},
+                                         Setting{"linearised_robust", 1, 2, 2},
+                                         Setting{"unscented_robust", 2, 2, 2},
+                                         Setting{"robust_printed", 2, 2, 1},
+                                         Setting{"robust_ceiling", 2, 2, 3}),
+                         [](const auto& info) { return info.param.name; });
+
+// Control: what an FMU allocates is counted, through new and through malloc.
+TEST(AllocationCount, SeesWhatAnFmuAllocates) {
+    LoadedFmu plant(PLANT, description_of("TruthPlant"));
+    plant.start();
+    const long before = allocations();
+    plant.store_state();
+    EXPECT_GT(allocations() - before, 0);
+}
+
+TEST(AllocationCount, StandsStillWhenNothingIsAllocated) {
+    const long before = allocations();
+    EXPECT_EQ(allocations() - before, 0);
+}
+
+}  // namespace
+}  // namespace truenorth::test

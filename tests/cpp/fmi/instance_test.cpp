@@ -1,0 +1,110 @@
+#include "fmi/instance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+
+#include "components/invalid_parameter.hpp"
+#include "fmi/refusal.hpp"
+#include "stand_in.hpp"
+
+namespace truenorth::test {
+namespace {
+
+using fmi::Instance;
+using fmi::Journal;
+using fmi::Refusal;
+using fmi::State;
+
+class InstanceTest : public testing::Test {
+  protected:
+    Instance instance{stand_in(), [](Journal::Severity, const char*, const char*) {}, false};
+
+    void set(unsigned reference, double value) { instance.set<double>(std::array{reference}, &value); }
+
+    double get(unsigned reference) {
+        double value = 0.0;
+        instance.get<double>(std::array{reference}, &value);
+        return value;
+    }
+
+    void start() {
+        instance.set_up_experiment(0.0, std::nullopt);
+        instance.enter_initialisation();
+        instance.exit_initialisation();
+    }
+};
+
+TEST_F(InstanceTest, StepsAccumulate) {
+    start();
+    set(input, 3.0);
+    instance.step(0.0, 0.5);
+    instance.step(0.5, 0.5);
+    EXPECT_EQ(get(output), 1.0 + 2.0 * 3.0 + 2.0 * 3.0);
+    EXPECT_EQ(instance.time(), 1.0);
+}
+
+TEST_F(InstanceTest, AStepThatCannotBeMadeChangesNothing) {
+    start();
+    set(input, -1.0);
+    EXPECT_THROW(instance.step(0.0, 1.0), std::invalid_argument);
+    EXPECT_EQ(instance.time(), 0.0);
+    set(input, 1.0);
+    EXPECT_NO_THROW(instance.step(0.0, 1.0));
+}
+
+TEST_F(InstanceTest, AStepThatBreaksDownEndsTheRunUntilAStateOrAResetLeadsBack) {
+    start();
+    State* const before = instance.save(nullptr);
+    set(input, 101.0);
+    EXPECT_THROW(instance.step(0.0, 1.0), std::runtime_error);
+    EXPECT_THROW(instance.step(0.0, 1.0), Refusal);
+    EXPECT_THROW(set(input, 1.0), Refusal);
+    EXPECT_NO_THROW(get(output));
+
+    State* const broken = instance.save(nullptr);
+    instance.restore(before);
+    EXPECT_EQ(get(output), 1.0);
+    EXPECT_NO_THROW(instance.step(0.0, 1.0));
+
+    instance.restore(broken);
+    EXPECT_THROW(instance.step(0.0, 1.0), Refusal);
+    instance.reset();
+    EXPECT_NO_THROW(start());
+}
+
+TEST_F(InstanceTest, ARefusedTunableKeepsTheOldValue) {
+    start();
+    EXPECT_THROW(set(tunable, -1.0), InvalidParameter);
+    EXPECT_EQ(get(tunable), 2.0);
+    set(tunable, 5.0);
+    EXPECT_EQ(get(tunable), 5.0);
+}
+
+TEST_F(InstanceTest, InitialisesAgainWhenAParameterChangesInInitialisationMode) {
+    instance.set_up_experiment(0.0, std::nullopt);
+    instance.enter_initialisation();
+    EXPECT_EQ(get(output), 1.0);
+    set(fixed, 4.0);
+    EXPECT_EQ(get(output), 4.0);
+    set(fixed, -4.0);
+    EXPECT_THROW(get(output), InvalidParameter);
+    EXPECT_EQ(get(fixed), -4.0);
+    EXPECT_THROW(instance.exit_initialisation(), InvalidParameter);
+    set(fixed, 4.0);
+    EXPECT_NO_THROW(instance.exit_initialisation());
+}
+
+TEST_F(InstanceTest, AFailedRestoreLeavesTheInstanceAsItWas) {
+    start();
+    set(input, 1.0);
+    instance.step(0.0, 1.0);
+    EXPECT_THROW(instance.restore(nullptr), Refusal);
+    EXPECT_THROW(static_cast<void>(instance.import_state({})), Refusal);
+    EXPECT_EQ(get(output), 3.0);
+    EXPECT_NO_THROW(instance.step(1.0, 1.0));
+}
+
+}  // namespace
+}  // namespace truenorth::test

@@ -1,0 +1,52 @@
+#include "fmi/snapshot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "fmi/refusal.hpp"
+
+namespace truenorth::fmi {
+namespace {
+
+constexpr Identity owner{"Owner", "{1}"};
+
+std::string reason_for_refusing(const std::string& bytes, const Identity& reader = owner) {
+    try {
+        static_cast<void>(unpack(reader, bytes));
+    } catch (const Refusal& refusal) {
+        return refusal.what();
+    }
+    return "accepted";
+}
+
+TEST(Snapshot, GivesBackWhatWasPacked) {
+    const std::string payload("\0 any \xff bytes", 12);
+    EXPECT_EQ(unpack(owner, pack(owner, payload)), payload);
+    EXPECT_EQ(unpack(owner, pack(owner, "")), "");
+}
+
+TEST(Snapshot, SaysWhoseStateItIs) {
+    const std::string bytes = pack(owner, "payload");
+    EXPECT_EQ(reason_for_refusing(bytes, {"Reader", "{1}"}),
+              "the stored state is one of Owner; this is Reader");
+    EXPECT_EQ(reason_for_refusing(bytes, {"Owner", "{2}"}),
+              "the stored state is one of another build of Owner ({1}); this is {2}");
+}
+
+TEST(Snapshot, EveryChangedBitAndEveryLengthIsRefused) {
+    const std::string bytes = pack(owner, "payload");
+    ASSERT_EQ(reason_for_refusing(bytes), "accepted");
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        for (int bit = 0; bit < 8; ++bit) {
+            std::string damaged = bytes;
+            damaged[i] = static_cast<char>(damaged[i] ^ (1 << bit));
+            EXPECT_NE(reason_for_refusing(damaged), "accepted") << "byte " << i << ", bit " << bit;
+        }
+        EXPECT_NE(reason_for_refusing(bytes.substr(0, i)), "accepted") << "length " << i;
+    }
+    EXPECT_NE(reason_for_refusing(bytes + '\0'), "accepted");
+}
+
+}  // namespace
+}  // namespace truenorth::fmi
