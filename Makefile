@@ -1,6 +1,6 @@
 # TrueNorth: every command of the project. `make help` lists them.
 .DEFAULT_GOAL := help
-.PHONY: help run test fmus bench bands lint format test-cpp test-python clean
+.PHONY: help run test fmus native bench bands lint format test-cpp test-python clean
 
 PYTHON ?= python3
 VENV   := .venv
@@ -37,9 +37,12 @@ fmus: $(READY)  ## Build the FMUs into build/fmus
 	@mkdir -p build
 	@cmake --preset native -DPython_EXECUTABLE=$(CURDIR)/$(BIN)/python > build/configure.log 2>&1 \
 	    || { cat build/configure.log; exit 1; }
+	@cmake --build --preset native --target fmus --parallel $(JOBS)
+
+native: fmus  ## Build everything: FMUs, C++ tests and benchmark
 	@cmake --build --preset native --parallel $(JOBS)
 
-lint: fmus  ## Formatting, clang-tidy, ruff, mypy
+lint: native  ## Formatting, clang-tidy, ruff, mypy
 	@echo "== Lint: clang-format"
 	@clang-format --dry-run --Werror $(CPP_FILES)
 	@echo "== Lint: clang-tidy"
@@ -54,7 +57,7 @@ format: $(READY)  ## Reformat every source file
 	@ruff format .
 	@ruff check --fix .
 
-test-cpp: fmus  ## C++ tests
+test-cpp: native  ## C++ tests
 	@echo "== C++ tests"
 	@ctest --preset native --parallel $(JOBS) --quiet
 
@@ -62,7 +65,7 @@ test-python: fmus  ## Python and FMU tests
 	@echo "== Python and FMU tests"
 	@python -m pytest -n $(JOBS)
 
-bench: fmus  ## Time per filter step, per fmi2DoStep, and of a whole run
+bench: native  ## Time per filter step, per fmi2DoStep, and of a whole run
 	@build/native/tests/cpp/bench_filter
 	@python -m sim_scenarios.benchmark
 

@@ -38,8 +38,9 @@ Innovation<M::kStates, M::kMeasurements> innovate(const M& model, const typename
                                                   const Matrix<M::kStates>& covariance,
                                                   const typename M::Fix& fix) {
     const Matrix<M::kMeasurements, M::kStates> H = model.measurement_matrix(state, fix);
-    const Matrix<M::kStates, M::kMeasurements> cross = covariance * H.transpose();
-    return {model.residual(state, fix), H * cross, model.measurement_noise(state, fix), cross};
+    // Eigen's lazy products: its blocked ones are made for larger matrices.
+    const Matrix<M::kStates, M::kMeasurements> cross = covariance.lazyProduct(H.transpose());
+    return {model.residual(state, fix), H.lazyProduct(cross), model.measurement_noise(state, fix), cross};
 }
 
 }  // namespace truenorth

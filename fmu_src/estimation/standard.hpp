@@ -13,11 +13,10 @@ class Standard {
     template <int N, int M>
     Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
         const Eigen::LLT<Matrix<M>> S(innovation.spread + innovation.noise);
-        const Matrix<N, M> gain = S.solve(innovation.cross.transpose()).transpose();
-        Matrix<N> posterior = prior;
-        posterior.noalias() -= gain * innovation.cross.transpose();
-        symmetrise(posterior);
-        return {gain * innovation.residual, posterior};
+        // With S = L L^T: P H^T L^-T, so that K S K^T is a sum of squares.
+        Matrix<N, M> whitened = innovation.cross;
+        S.matrixL().transpose().template solveInPlace<Eigen::OnTheRight>(whitened);
+        return {whitened * S.matrixL().solve(innovation.residual), rank_update<N>(prior, whitened, -1.0)};
     }
 };
 

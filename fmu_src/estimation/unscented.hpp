@@ -46,9 +46,9 @@ class Unscented {
         const double weight = 0.5 / (spread * spread);
         const auto deviations = points.template rightCols<2 * n>();
         const Vector<n> mean = weight * deviations.rowwise().sum();
-        covariance = Q + (parameters_.beta - parameters_.alpha * parameters_.alpha) * mean * mean.transpose();
-        covariance.noalias() += weight * (deviations * deviations.transpose());
-        symmetrise(covariance);
+        covariance = rank_update<n>(Q, deviations, weight);
+        covariance =
+            rank_update<n>(covariance, mean, parameters_.beta - parameters_.alpha * parameters_.alpha);
         state = model.retract(state, mean);
         if (!covariance.allFinite()) {
             return Prediction::failed;
