@@ -9,14 +9,14 @@ Whatever the command `truenorth` does is one function call here::
     run["heading_error"].plot()
 """
 
-from sim_scenarios.errors import BadInput, SimulationError
+from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.metrics import Verdict, judge
 from sim_scenarios.recorded_imu import Start, ZeroVelocity, replay
 from sim_scenarios.recording import load, save
 from sim_scenarios.simulation import bound, compare, run
 
 __all__ = [
-    "BadInput",
+    "InputError",
     "SimulationError",
     "Start",
     "Verdict",

@@ -27,8 +27,9 @@ def euler_angles(C_bn: Array) -> tuple[float, float, float]:
 
 
 def misalignment(phi: ArrayLike) -> Array:
-    """Matrix from the true to a misaligned navigation frame, C_n^{n'} = C_y C_x C_z (Zhao 2012, eqs. 1 and
-    2).
+    """Matrix from the true to a misaligned navigation frame, C_n^{n'} (Zhao 2012, eqs. 1 and 2).
+
+    C_n^{n'} = C_y C_x C_z, passive rotations.
 
     Parameters
     ----------
@@ -52,7 +53,10 @@ def wrap(angle: ArrayLike) -> Array:
 
 
 def misalignment_angles(C_n_computed: Array) -> Array:
-    """Rotations about east, north, up [rad] of C_n^{n'}, (..., 3, 3) -> (..., 3); inverse of `misalignment`."""
+    """Rotations about east, north, up [rad] of C_n^{n'}, the inverse of `misalignment`.
+
+    Shape (..., 3, 3) -> (..., 3).
+    """
     C = C_n_computed
     east = np.arcsin(np.clip(C[..., 1, 2], -1, 1))
     north = np.arctan2(-C[..., 0, 2], C[..., 2, 2])

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sim_scenarios.errors import BadInput
+from sim_scenarios.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -115,7 +115,7 @@ class Bound:
         """Root mean square of the heading sigma over start..stop [rad]."""
         inside = (self.time >= start) & (self.time <= stop)
         if not inside.any():
-            raise BadInput(f"the bound has no fix between {start:g} s and {stop:g} s")
+            raise InputError(f"the bound has no fix between {start:g} s and {stop:g} s")
         return float(np.sqrt(np.mean(self.heading_sigma[inside] ** 2)))
 
 
@@ -136,7 +136,7 @@ def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
     """
     sigma = np.broadcast_to(knowledge.gnss_velocity_sigma, 3)
     if knowledge.gnss_rate <= 0 or np.any(sigma <= 0):
-        raise BadInput("the bound needs GNSS: a rate and velocity sigmas greater than 0")
+        raise InputError("the bound needs GNSS: a rate and velocity sigmas greater than 0")
     transition, noise = _discretise(trajectory, knowledge)
     R = np.diag(sigma**2)
     P = np.diag(_prior_variance(knowledge))

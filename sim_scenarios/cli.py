@@ -18,7 +18,7 @@ from rich.table import Table
 
 from sim_scenarios import recorded_imu, recording, report, simulation
 from sim_scenarios.bounds import ARCMIN, DEGREE
-from sim_scenarios.errors import BadInput, SimulationError
+from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.metrics import judge
 from sim_scenarios.scenario import shipped, toml_value
 
@@ -60,8 +60,9 @@ AsJson = Annotated[
 
 @app.callback()
 def truenorth() -> None:
-    """Put inertial alignment filters to the test: a plant FMU makes the signals, a filter FMU finds the
-    heading.
+    """Put inertial alignment filters to the test.
+
+    A plant FMU makes the signals of an IMU and a GNSS receiver, a filter FMU finds the heading.
 
     For example:
 
@@ -194,8 +195,9 @@ def show_bound(
     set_: Settings = None,
     as_json: AsJson = False,
 ) -> None:
-    """Show how well any filter could know the heading along a scenario's trajectory (posterior Cramer-Rao
-    bound).
+    """Show how well any filter could know the heading in a scenario.
+
+    The posterior Cramer-Rao bound along the true trajectory; no filter runs.
 
     For example:
 
@@ -256,13 +258,16 @@ def replay_recording(
         float, typer.Option(help="Seconds at the start whose mean specific force gives roll and pitch.")
     ] = 1.0,
     output: Output = None,
-    seed: Annotated[
-        int | None, typer.Option(help="Without effect: a recording has no random streams.", hidden=True)
-    ] = None,  # noqa: ARG001
+    seed: Annotated[  # noqa: ARG001
+        int | None,
+        typer.Option(
+            help="Accepted as by every command; a recording has no random streams.", show_default=False
+        ),
+    ] = None,
     set_: Settings = None,
     as_json: AsJson = False,
 ) -> None:
-    """Align on a recorded IMU.
+    r"""Align on a recorded IMU.
 
     The file has a header and the columns *time* [s, end of the interval], *delta_angle_x, _y, _z* [rad] and
     *delta_velocity_x, _y, _z* [m/s] (right, forward, up). GNSS comes from the columns *gnss_velocity_east,
@@ -272,10 +277,10 @@ def replay_recording(
     For example:
 
         truenorth replay ship.csv.gz --heading 45 --heading-sigma 15
-        truenorth replay parked.csv.gz --heading 100.6 --zero-velocity \\
-            --position "34.246048,108.909664,380" \\
-            --set prior.gyro_bias_sigma="0.02 deg/h" \\
-            --set prior.accelerometer_bias_sigma="0.1 mg" \\
+        truenorth replay parked.csv.gz --heading 100.6 --zero-velocity \
+            --position "34.246048,108.909664,380" \
+            --set prior.gyro_bias_sigma="0.02 deg/h" \
+            --set prior.accelerometer_bias_sigma="0.1 mg" \
             --set process.angle_random_walk="0.001 deg/h^0.5"
 
     Exit code 0 when the filter reports convergence at the end.
@@ -317,7 +322,7 @@ def _refusing_bad_input() -> Iterator[None]:
     """Turn what the user can mend into a sentence and exit code 2."""
     try:
         yield
-    except (BadInput, SimulationError) as error:
+    except (InputError, SimulationError) as error:
         typer.echo(f"truenorth: {error}", err=True)
         raise typer.Exit(2) from None
 
@@ -361,7 +366,7 @@ def _settings(given: list[str] | None) -> dict[str, object]:
     for setting in given or []:
         name, equals, text = setting.partition("=")
         if not equals or not name.strip():
-            raise BadInput(f"--set {setting}: write NAME=VALUE")
+            raise InputError(f"--set {setting}: write NAME=VALUE")
         settings[name.strip()] = toml_value(text)
     return settings
 
@@ -370,7 +375,7 @@ def _position(text: str) -> tuple[float, float, float]:
     try:
         latitude, longitude, height = (float(part) for part in text.split(","))
     except ValueError:
-        raise BadInput(
+        raise InputError(
             f"--position '{text}': write LATITUDE,LONGITUDE,HEIGHT in deg, deg, m, such as 34.2,108.9,380"
         ) from None
     return latitude, longitude, height
@@ -385,7 +390,7 @@ def _results(
         page = write(data, folder)
         recording.save(data, folder / "recording.nc")
     except OSError as error:
-        raise BadInput(f"--output {folder}: {error.strerror}") from None
+        raise InputError(f"--output {folder}: {error.strerror}") from None
     return page, {"report": str(page), "recording": str(folder / "recording.nc")}
 
 

@@ -18,7 +18,7 @@ import ctypes
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from itertools import count
+from itertools import count, pairwise
 from typing import Any, Final, Protocol
 
 import fmpy.fmi2
@@ -26,7 +26,7 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 from numpy.typing import NDArray
 
-from sim_scenarios.errors import BadInput, SimulationError
+from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmu, Number, Variable
 
 Array = NDArray[np.float64]
@@ -57,6 +57,7 @@ class Message:
     text: str
 
     def __str__(self) -> str:
+        """The text, with who said it."""
         return f"{self.instance}: {self.text}"
 
 
@@ -359,7 +360,7 @@ def connected(source: Iterable[str], sink: Fmu) -> list[str]:
     """Inputs of a filter, each of which the source must have."""
     available = set(source)
     if missing := [name for name in sink.inputs() if name not in available]:
-        raise BadInput(f"nothing is connected to the inputs {', '.join(missing)} of {sink.name}")
+        raise InputError(f"nothing is connected to the inputs {', '.join(missing)} of {sink.name}")
     return sink.inputs()
 
 
@@ -379,6 +380,7 @@ def simulate(
     Parameters
     ----------
     source : Source
+        Plant or recording, initialised.
     sinks : sequence of Sink
         Filters, all instances of one FMU, initialised.
     times : ndarray, shape (n + 1,)
@@ -390,6 +392,7 @@ def simulate(
     fix_outputs : sequence of str
         Outputs of the filters that are recorded at each fix rather than periodically.
     order : Order
+        Who steps first.
     progress : callable
         Called at each periodic row.
 
@@ -413,7 +416,7 @@ def simulate(
     clock = times.tolist()
     late = order is Order.jacobi
     until_row = record_every
-    for time, end in zip(clock[:-1], clock[1:], strict=True):
+    for time, end in pairwise(clock):
         step = end - time
         if not late:
             source.advance(time, step)

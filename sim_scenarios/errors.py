@@ -1,7 +1,7 @@
 """What can go wrong, in the user's words."""
 
 
-class BadInput(ValueError):
+class InputError(ValueError):
     """What the user gave cannot be used; the message is a sentence that names it, its value and the rule."""
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,7 +18,7 @@ from typing import Any, Final
 import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable
 
-from sim_scenarios.errors import BadInput
+from sim_scenarios.errors import InputError
 
 PLANT: Final = "TruthPlant"
 ALIGNMENT_FILTER: Final = "AlignmentFilter"
@@ -41,7 +41,7 @@ class Unit:
         if unit in ("", self.name):
             return number
         if unit not in self.display:
-            raise BadInput(f"'{given}' is not in a unit of {self._alternatives()}")
+            raise InputError(f"'{given}' is not in a unit of {self._alternatives()}")
         factor, offset = self.display[unit]
         return (number - offset) / factor
 
@@ -64,7 +64,7 @@ class Variable:
     start: str | None
 
     def parse(self, given: object) -> Number:
-        """Value for the FMU of what a user wrote: a number, a quantity, true or false, the name of an item."""
+        """Value for the FMU of what a user wrote: number, quantity, true or false, name of an item."""
         if self.kind == "Real":
             return self.unit.to_si(given)
         if self.kind == "Boolean":
@@ -73,19 +73,21 @@ class Variable:
             return self._parse_item(given)
         if isinstance(given, int) and not isinstance(given, bool):
             return given
-        raise BadInput(f"'{given}' is not a whole number")
+        raise InputError(f"'{given}' is not a whole number")
 
     def _parse_boolean(self, given: object) -> bool:
         if isinstance(given, bool):
             return given
-        raise BadInput(f"'{given}' is neither true nor false")
+        raise InputError(f"'{given}' is neither true nor false")
 
     def _parse_item(self, given: object) -> int:
         if isinstance(given, int) and given in self.items.values():
             return given
         if given in self.items:
             return self.items[str(given)]
-        raise BadInput(f"'{given}' is none of {', '.join(self.items)}{did_you_mean(str(given), self.items)}")
+        raise InputError(
+            f"'{given}' is none of {', '.join(self.items)}{did_you_mean(str(given), self.items)}"
+        )
 
     def display(self, value: Number) -> str:
         """Value as a person reads it: in the display unit, or the item's name."""
@@ -168,14 +170,15 @@ class Fmu:
         A list sets the elements of an array, one value sets them all.
         """
         if not self.has_parameter(name):
-            raise BadInput(self._not_a_parameter(name))
-        if name in self.variables:
-            return {name: self.variables[name].parse(given)}
-        scalars = self.arrays[name]
-        values = list(_flatten(given)) if isinstance(given, list) else [given] * len(scalars)
+            raise InputError(self._not_a_parameter(name))
+        scalars = [name] if name in self.variables else self.arrays[name]
+        values = list(_flatten(given)) if isinstance(given, list | tuple) else [given] * len(scalars)
         if len(values) != len(scalars):
-            raise BadInput(f"{name} has {len(scalars)} elements, {len(values)} are given")
-        return {s: self.variables[s].parse(value) for s, value in zip(scalars, values, strict=True)}
+            raise InputError(f"{name} has {len(scalars)} elements, {len(values)} are given")
+        try:
+            return {s: self.variables[s].parse(value) for s, value in zip(scalars, values, strict=True)}
+        except InputError as error:
+            raise InputError(f"{name}: {error}") from None
 
     def _not_a_parameter(self, name: str) -> str:
         scalar = name if name in self.variables else self.arrays.get(name, [""])[0]
@@ -203,7 +206,7 @@ def find(name: str) -> Path:
         if candidate.is_file():
             return candidate
     places = ", ".join(str(candidate.parent) for candidate in candidates)
-    raise BadInput(
+    raise InputError(
         f"{name}.fmu is not in {places}; run `make fmus` to build it, or set TRUENORTH_FMUS to its folder"
     )
 
@@ -224,13 +227,13 @@ def did_you_mean(name: str, known: Mapping[str, object] | list[str]) -> str:
 def _split_quantity(given: object) -> tuple[float, str]:
     match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", str(given))
     if not isinstance(given, str) or match is None:
-        raise BadInput(f"'{given}' is neither a number nor a number with a unit")
+        raise InputError(f"'{given}' is neither a number nor a number with a unit")
     return float(match[1]), match[2]
 
 
-def _flatten(values: list[Any]) -> Iterator[Any]:
+def _flatten(values: Iterable[Any]) -> Iterator[Any]:
     for value in values:
-        if isinstance(value, list):
+        if isinstance(value, list | tuple):
             yield from _flatten(value)
         else:
             yield value

@@ -1,7 +1,7 @@
-"""Pictures of runs: heading error with its sigma and the bound, states, innovations, NIS, what the corrector
-did.
+"""Pictures of runs.
 
-Colours are those of Okabe and Ito, which colour-blind readers tell apart; nothing is told by colour alone.
+Heading error with sigma and bound, states, innovations, NIS, what the corrector did. Colours are those
+of Okabe and Ito, which colour-blind readers tell apart; nothing is told by colour alone.
 """
 
 from __future__ import annotations

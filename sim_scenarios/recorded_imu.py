@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 from sim_scenarios import recording
 from sim_scenarios.bounds import DEGREE
 from sim_scenarios.cosimulation import Instance, Progress, RecordedSource, Sink, connected, simulate
-from sim_scenarios.errors import BadInput
+from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Number, did_you_mean, load
 
 Array = NDArray[np.float64]
@@ -121,7 +121,7 @@ def replay(
             fix_outputs=recording.fix_outputs(fmu),
             progress=progress,
         )
-    data = recording.dataset(recorded, ["filter"], fmu).isel(filter=0)
+    data = recording.of_filter(recording.dataset(recorded, ["filter"], fmu), "filter")
     data.attrs = {
         "recording": str(path),
         "description": f"{Path(path).name}, started at a heading of {start.heading / DEGREE:.6g} deg",
@@ -137,19 +137,21 @@ def read_recording(path: Path) -> pd.DataFrame:
     try:
         table = pd.read_csv(path)
     except FileNotFoundError:
-        raise BadInput(f"there is no recording {path}") from None
+        raise InputError(f"there is no recording {path}") from None
     except (OSError, ValueError) as error:
-        raise BadInput(f"{path}: cannot be read as a CSV file: {error}") from None
+        raise InputError(f"{path}: cannot be read as a CSV file: {error}") from None
     for column in ("time", *IMU_COLUMNS):
         if column not in table:
-            raise BadInput(f"{path}: there is no column {column}{did_you_mean(column, list(table.columns))}")
+            raise InputError(
+                f"{path}: there is no column {column}{did_you_mean(column, list(table.columns))}"
+            )
         if not np.issubdtype(table[column].dtype, np.number):
-            raise BadInput(f"{path}: column {column} holds something that is not a number")
+            raise InputError(f"{path}: column {column} holds something that is not a number")
     if len(table) < 2:
-        raise BadInput(f"{path}: has {len(table)} samples; an alignment needs many")
+        raise InputError(f"{path}: has {len(table)} samples; an alignment needs many")
     backwards = np.flatnonzero(np.diff(table["time"]) <= 0)
     if len(backwards):
-        raise BadInput(f"{path}: line {backwards[0] + 3}: time must increase from each sample to the next")
+        raise InputError(f"{path}: line {backwards[0] + 3}: time must increase from each sample to the next")
     return table
 
 
@@ -187,7 +189,7 @@ def parameters(
     period = float(np.median(np.diff(time)))
     first = time < time[0] - period + start.levelling + period / 2
     if start.levelling <= 0 or not first.any():
-        raise BadInput(f"levelling = {start.levelling:g} s: must cover at least one sample ({period:g} s)")
+        raise InputError(f"levelling = {start.levelling:g} s: must cover at least one sample ({period:g} s)")
     roll, pitch = level(table.loc[first, IMU_COLUMNS[3:]].mean().to_numpy())
     values: dict[str, Number] = {
         "initial.roll": roll,
@@ -200,23 +202,20 @@ def parameters(
     if zero_velocity:
         values["measurement.velocity_sigma"] = zero_velocity.sigma
     for name, value in settings.items():
-        try:
-            values |= fmu.assignments(
-                name.removeprefix("filter.") if not fmu.has_parameter(name) else name, value
-            )
-        except BadInput as error:
-            raise BadInput(f"the setting {name} = {value}: {error}") from None
+        known = name if fmu.has_parameter(name) else name.removeprefix("filter.")
+        values |= fmu.assignments(known, value)
     return values
 
 
 def _before(name: str, values: Array, period: float) -> float:
     """Signal of the IMU at the start, one period before the first sample."""
-    return {"imu.sample": values[0] - 1, "imu.time": values[0] - period}.get(name, 0.0)
+    known = {"imu.sample": float(values[0]) - 1, "imu.time": float(values[0]) - period}
+    return known.get(name, 0.0)
 
 
 def _zero_velocity_fixes(time: Array, aiding: ZeroVelocity) -> dict[str, Array]:
     if aiding.rate <= 0 or aiding.sigma <= 0:
-        raise BadInput("zero-velocity fixes need a rate and a sigma greater than 0")
+        raise InputError("zero-velocity fixes need a rate and a sigma greater than 0")
     period = float(np.median(np.diff(time)))
     clock = np.concatenate(([time[0] - period], time))
     sample = np.floor((clock - clock[0]) * aiding.rate + 1e-6)
@@ -234,15 +233,15 @@ def _zero_velocity_fixes(time: Array, aiding: ZeroVelocity) -> dict[str, Array]:
 def _recorded_fixes(table: pd.DataFrame, path: str | Path) -> dict[str, Array]:
     missing = [column for column in (*GNSS_VELOCITY, *GNSS_POSITION) if column not in table]
     if missing:
-        raise BadInput(
+        raise InputError(
             f"{path}: there is no column {missing[0]}; record GNSS, or use zero-velocity fixes at a position"
         )
     fix = table["gnss_velocity_east"].notna().to_numpy()
     if not fix.any():
-        raise BadInput(f"{path}: no row has a fix (gnss_velocity_east is empty everywhere)")
+        raise InputError(f"{path}: no row has a fix (gnss_velocity_east is empty everywhere)")
     incomplete = fix & table[[*GNSS_VELOCITY, *GNSS_POSITION]].isna().any(axis=1).to_numpy()
     if incomplete.any():
-        raise BadInput(f"{path}: line {int(np.flatnonzero(incomplete)[0]) + 2}: the fix is incomplete")
+        raise InputError(f"{path}: line {int(np.flatnonzero(incomplete)[0]) + 2}: the fix is incomplete")
     columns = {f"gnss.velocity[{i + 1}]": table[name] for i, name in enumerate(GNSS_VELOCITY)}
     columns |= {
         "gnss.latitude": table["gnss_latitude"] * DEGREE,

@@ -48,6 +48,7 @@ def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu |
     Parameters
     ----------
     recorded : Recorded
+        What the simulation left.
     labels : list of str
         One for each filter.
     filter_fmu, plant : Fmu
@@ -68,7 +69,7 @@ def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu |
         )
         for table, fixes in zip(recorded.filters, recorded.fixes, strict=True)
     ]
-    result = xr.concat(
+    result: xr.Dataset = xr.concat(
         parts, dim=xr.DataArray(labels, dims="filter", name="filter"), combine_attrs="override"
     )
     result = result.assign_coords(
@@ -109,6 +110,12 @@ def _errors(data: xr.Dataset) -> dict[str, tuple[tuple[str, ...], NDArray[np.flo
     }
 
 
+def of_filter(data: xr.Dataset, label: str) -> xr.Dataset:
+    """What one of several filters did, without the dimension `filter`."""
+    one: xr.Dataset = data.sel(filter=label, drop=True)
+    return one
+
+
 def save(data: xr.Dataset, path: Path) -> None:
     """Write a data set to a netCDF file."""
     data.to_netcdf(path, engine="scipy")
@@ -116,8 +123,8 @@ def save(data: xr.Dataset, path: Path) -> None:
 
 def load(path: Path) -> xr.Dataset:
     """Data set of a file, wholly in memory."""
-    with xr.open_dataset(path, engine="scipy") as data:
-        return data.load()
+    data: xr.Dataset = xr.load_dataset(path, engine="scipy")
+    return data
 
 
 def _arrays(columns: Mapping[str, NDArray[Any]], fmu: Fmu, dimension: str) -> dict[str, xr.DataArray]:

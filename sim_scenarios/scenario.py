@@ -26,7 +26,7 @@ from pydantic import (
 )
 
 from sim_scenarios.bounds import DEGREE, HOUR, STANDARD_GRAVITY
-from sim_scenarios.errors import BadInput
+from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, PLANT, Fmu, Number, Unit, did_you_mean, load
 
 if sys.version_info >= (3, 11):
@@ -73,10 +73,7 @@ def _parameters_of(which: str) -> BeforeValidator:
         fmu: Fmu = getattr(_fmus(info), which)
         values: dict[str, Number] = {}
         for name, value in _dotted(given):
-            try:
-                values |= fmu.assignments(name, value)
-            except BadInput as error:
-                raise BadInput(str(error) if name in str(error) else f"{name}: {error}") from None
+            values |= fmu.assignments(name, value)
         return values
 
     return BeforeValidator(resolve)
@@ -90,7 +87,7 @@ def _fmus(info: ValidationInfo) -> Fmus:
 def _dotted(table: object, prefix: str = "") -> Iterator[tuple[str, object]]:
     """Entries of nested tables under their dotted names."""
     if not isinstance(table, Mapping):
-        raise BadInput(f"'{table}' is not a table")
+        raise InputError(f"'{table}' is not a table")
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from _dotted(value, f"{prefix}{key}.")
@@ -115,7 +112,7 @@ class Table(BaseModel):
 
 
 class InitialError(Table):
-    """Error of what a coarse alignment hands over (east, north, up); a sigma adds a part drawn from the seed."""
+    """Error of what a coarse alignment hands over (east, north, up); a sigma adds a drawn part."""
 
     misalignment: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
     misalignment_sigma: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
@@ -161,14 +158,14 @@ class Scenario(Table):
     @model_validator(mode="after")
     def _times_fit(self) -> Scenario:
         if self.communication_step <= 0:
-            raise BadInput(f"communication_step = {self.communication_step:g} s: must be greater than 0")
+            raise InputError(f"communication_step = {self.communication_step:g} s: must be greater than 0")
         if self.duration < self.communication_step:
-            raise BadInput(f"duration = {self.duration:g} s: must be at least one communication_step")
+            raise InputError(f"duration = {self.duration:g} s: must be at least one communication_step")
         if not 0 <= self.evaluation.start < self.evaluation.stop:
-            raise BadInput("evaluation.start must be at least 0 and before evaluation.stop")
+            raise InputError("evaluation.start must be at least 0 and before evaluation.stop")
         if self.evaluation.start >= self.duration:
-            raise BadInput(
-                f"evaluation.start = {self.evaluation.start:g} s: must be before the end ({self.duration:g} s)"
+            raise InputError(
+                f"evaluation.start = {self.evaluation.start:g}: must be below duration ({self.duration:g} s)"
             )
         return self
 
@@ -221,29 +218,29 @@ def scenario_path(name: str | Path) -> Path:
     if isinstance(name, Path) or name.endswith(".toml") or "/" in name:
         if Path(name).is_file():
             return Path(name)
-        raise BadInput(f"there is no scenario file {name}")
+        raise InputError(f"there is no scenario file {name}")
     path = SHIPPED / f"{name}.toml"
     if path.is_file():
         return path
     names = [p.stem for p in sorted(SHIPPED.glob("*.toml"))]
     hint = did_you_mean(name, names) or f"; there are {', '.join(names)}, or give the path of a .toml file"
-    raise BadInput(f"there is no scenario '{name}'{hint}")
+    raise InputError(f"there is no scenario '{name}'{hint}")
 
 
 def _read(path: Path, above: tuple[Path, ...] = ()) -> dict[str, Any]:
-    """Content of a scenario file upon that of the one it extends; `above` are the files that extend this one."""
+    """Content of a scenario file upon that of the one it extends; `above` are those that extend it."""
     try:
         table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise BadInput(f"{path}: not valid TOML: {error}") from None
+        raise InputError(f"{path}: not valid TOML: {error}") from None
     if "extends" not in table:
         return table
     try:
         below = scenario_path(str(table.pop("extends")))
-    except BadInput as error:
-        raise BadInput(f"{path}: extends: {error}") from None
+    except InputError as error:
+        raise InputError(f"{path}: extends: {error}") from None
     if below in (*above, path):
-        raise BadInput(f"{path}: extends: {below} extends this file in turn")
+        raise InputError(f"{path}: extends: {below} extends this file in turn")
     base = _read(below, (*above, path))
     if "compare" in table:
         base.pop("compare", None)
@@ -274,7 +271,7 @@ def _check(table: Mapping[str, Any], fmus: Fmus, where: Path | str) -> Scenario:
     try:
         return Scenario.model_validate(table, context={"fmus": fmus})
     except ValidationError as error:
-        raise BadInput("\n".join(_sentence(where, e) for e in error.errors())) from None
+        raise InputError("\n".join(_sentence(where, e) for e in error.errors())) from None
 
 
 def _sentence(where: Path | str, error: Any) -> str:
@@ -317,10 +314,7 @@ def _overridden(table: Mapping[str, Any], fmus: Fmus, settings: Mapping[str, obj
 
 def _put(values: dict[str, object], fmu: Fmu, name: str, value: object) -> None:
     """Set a parameter after all that were set before (an element overrides what its array says)."""
-    try:
-        fmu.assignments(name, value)
-    except BadInput as error:
-        raise BadInput(f"the setting {name} = {value}: {error}") from None
+    fmu.assignments(name, value)
     values.pop(name, None)
     values[name] = value
 
@@ -329,7 +323,7 @@ def _owner(name: str, fmus: Fmus) -> tuple[str, str]:
     """Which part of a scenario a setting belongs to (plant, filter, scenario), and its name there."""
     owners = [which for which in ("plant", "filter") if getattr(fmus, which).has_parameter(name)]
     if len(owners) > 1:
-        raise BadInput(f"both FMUs have a parameter {name}; say plant.{name} or filter.{name}")
+        raise InputError(f"both FMUs have a parameter {name}; say plant.{name} or filter.{name}")
     if owners:
         return owners[0], name
     prefix, _, rest = name.partition(".")
@@ -338,7 +332,7 @@ def _owner(name: str, fmus: Fmus) -> tuple[str, str]:
     if prefix in Scenario.model_fields and prefix not in ("name", "compare"):
         return "scenario", name
     known = [*fmus.plant.parameter_names(), *fmus.filter.parameter_names(), *Scenario.model_fields]
-    raise BadInput(f"the setting {name}: no FMU has such a parameter{did_you_mean(name, known)}")
+    raise InputError(f"the setting {name}: no FMU has such a parameter{did_you_mean(name, known)}")
 
 
 def _with_entry(table: Mapping[str, Any], path: list[str], value: object) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""From a scenario to a data set: plant and filters connected, initialised and run, and the bound beside them."""
+"""From a scenario to a data set: plant and filters connected, initialised and run, with the bound."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from sim_scenarios.cosimulation import (
     connected,
     simulate,
 )
-from sim_scenarios.errors import BadInput
+from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu, Number
 from sim_scenarios.scenario import Fmus, Scenario, load_scenario
 
@@ -80,7 +80,9 @@ def run(
     """
     fmus = fmus or Fmus.load()
     loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
-    return run_filters(loaded, fmus, {"filter": loaded.filter}, order, progress).isel(filter=0)
+    return recording.of_filter(
+        run_filters(loaded, fmus, {"filter": loaded.filter}, order, progress), "filter"
+    )
 
 
 def compare(
@@ -98,7 +100,7 @@ def compare(
     fmus = fmus or Fmus.load()
     loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
     if not loaded.compare:
-        raise BadInput(f"{scenario}: compare: names no filter")
+        raise InputError(f"{scenario}: compare: names no filter")
     return run_filters(loaded, fmus, loaded.filters(), Order.gauss_seidel, progress)
 
 
@@ -246,14 +248,14 @@ def _plant(scenario: Scenario, fmus: Fmus) -> Instance:
 
 
 def _times(duration: float, step: float) -> Array:
-    return step * np.arange(_whole(duration, step, "duration") + 1)
+    return step * np.arange(_whole(duration, step, "duration") + 1, dtype=np.float64)
 
 
 def _whole(span: float, step: float, name: str) -> int:
     """How many steps a span has, which must be a whole number."""
     steps = round(span / step)
     if steps < 1 or abs(span - steps * step) > 1e-9 * max(span, step):
-        raise BadInput(f"{name} = {span:g} s: must be a whole multiple of the step of {step:g} s")
+        raise InputError(f"{name} = {span:g} s: must be a whole multiple of the step of {step:g} s")
     return steps
 
 

@@ -1,4 +1,4 @@
-// Where a component says what a user should know; the FMI layer turns it into fmi2Logger calls.
+// Where a component says what a user should know; the FMI layer passes it to the importing tool.
 #pragma once
 
 #include <string>

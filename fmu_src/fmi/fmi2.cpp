@@ -28,7 +28,9 @@ static_assert(sizeof(fmi2ValueReference) == sizeof(unsigned));
 // Runs `body` on the instance; a refusal becomes a line "<function>: <why>" and fmi2Error.
 template <class Body>
 fmi2Status guarded(fmi2Component component, const char* function, Body body) noexcept {
-    if (component == nullptr) return fmi2Error;
+    if (component == nullptr) {
+        return fmi2Error;
+    }
     auto& instance = *static_cast<Instance*>(component);
     try {
         try {
@@ -49,13 +51,17 @@ fmi2Status refused(fmi2Component component, const char* function, const char* re
 
 template <class T>
 T& present(T* pointer, const char* name) {
-    if (pointer == nullptr) throw Refusal(std::string(name) + " is NULL");
+    if (pointer == nullptr) {
+        throw Refusal(std::string(name) + " is NULL");
+    }
     return *pointer;
 }
 
 template <class T>
 std::span<T> array(T* pointer, std::size_t size, const char* name) {
-    if (pointer == nullptr && size > 0) throw Refusal(std::string(name) + " is NULL");
+    if (pointer == nullptr && size > 0) {
+        throw Refusal(std::string(name) + " is NULL");
+    }
     return {pointer, size};
 }
 
@@ -63,7 +69,7 @@ template <class T, class External>
 fmi2Status get(fmi2Component component, const char* function, const fmi2ValueReference* references,
                std::size_t count, External* values) noexcept {
     return guarded(component, function, [&](Instance& instance) {
-        instance.get<T>(array(references, count, "vr"), array(values, count, "value").data());
+        instance.get<T>(array(references, count, "vr"), array(values, count, "value"));
     });
 }
 
@@ -71,7 +77,7 @@ template <class T, class External>
 fmi2Status set(fmi2Component component, const char* function, const fmi2ValueReference* references,
                std::size_t count, const External* values) noexcept {
     return guarded(component, function, [&](Instance& instance) {
-        instance.set<T>(array(references, count, "vr"), array(values, count, "value").data());
+        instance.set<T>(array(references, count, "vr"), array(values, count, "value"));
     });
 }
 
@@ -86,8 +92,12 @@ Journal::Sink sink_of(const fmi2CallbackFunctions& environment, std::string inst
 }
 
 void require_instantiable(const char* instance_name, fmi2Type type, const char* guid) {
-    if (instance_name == nullptr || *instance_name == '\0') throw Refusal("instanceName is NULL or empty");
-    if (type != fmi2CoSimulation) throw Refusal("fmuType: this FMU is for co-simulation only");
+    if (instance_name == nullptr || *instance_name == '\0') {
+        throw Refusal("instanceName is NULL or empty");
+    }
+    if (type != fmi2CoSimulation) {
+        throw Refusal("fmuType: this FMU is for co-simulation only");
+    }
     const std::string_view expected = truenorth::fmi::this_fmu().identity.guid;
     if (guid == nullptr || expected != guid) {
         throw Refusal("fmuGUID = " + std::string(guid == nullptr ? "NULL" : guid) + ": this FMU is " +
@@ -127,7 +137,9 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, co
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String /*resources*/,
                               const fmi2CallbackFunctions* functions, fmi2Boolean /*visible*/,
                               fmi2Boolean logging) {
-    if (functions == nullptr || functions->logger == nullptr) return nullptr;
+    if (functions == nullptr || functions->logger == nullptr) {
+        return nullptr;
+    }
     try {
         const auto sink = sink_of(*functions, name == nullptr ? "" : name);
         try {
@@ -186,7 +198,9 @@ fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference /*vr*/[], size_t nvr,
                          fmi2String /*value*/[]) {
-    if (nvr == 0) return guarded(c, "fmi2GetString", [](Instance&) {});
+    if (nvr == 0) {
+        return guarded(c, "fmi2GetString", [](Instance&) {});
+    }
     return refused(c, "fmi2GetString", no_strings);
 }
 
@@ -206,7 +220,9 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference /*vr*/[], size_t nvr,
                          const fmi2String /*value*/[]) {
-    if (nvr == 0) return guarded(c, "fmi2SetString", [](Instance&) {});
+    if (nvr == 0) {
+        return guarded(c, "fmi2SetString", [](Instance&) {});
+    }
     return refused(c, "fmi2SetString", no_strings);
 }
 
@@ -225,7 +241,9 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* state) {
     return guarded(c, "fmi2FreeFMUstate", [&](Instance& instance) {
-        if (state == nullptr) return;
+        if (state == nullptr) {
+            return;
+        }
         instance.release(state_of(*state));
         *state = nullptr;
     });
@@ -245,7 +263,7 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte b
             throw Refusal("the buffer has " + std::to_string(size) + " bytes, the state needs " +
                           std::to_string(stored.size()));
         }
-        std::copy(stored.begin(), stored.end(), buffer.begin());
+        std::ranges::copy(stored, buffer.begin());
     });
 }
 
@@ -281,7 +299,9 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind /*kind*/, fmi2Sta
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real* value) {
     return guarded(c, "fmi2GetRealStatus", [&](Instance& instance) {
-        if (kind != fmi2LastSuccessfulTime) throw Refusal("the only Real status is fmi2LastSuccessfulTime");
+        if (kind != fmi2LastSuccessfulTime) {
+            throw Refusal("the only Real status is fmi2LastSuccessfulTime");
+        }
         present(value, "value") = instance.time();
     });
 }
@@ -292,7 +312,9 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind /*kind*/, 
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean* value) {
     return guarded(c, "fmi2GetBooleanStatus", [&](Instance&) {
-        if (kind != fmi2Terminated) throw Refusal("the only Boolean status is fmi2Terminated");
+        if (kind != fmi2Terminated) {
+            throw Refusal("the only Boolean status is fmi2Terminated");
+        }
         present(value, "value") = fmi2False;  // this FMU never asks to end the simulation
     });
 }

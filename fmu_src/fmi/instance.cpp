@@ -201,10 +201,8 @@ State* Instance::save(State* overwritten) {
     State* const reused = overwritten == nullptr ? nullptr : find(overwritten);
     std::ostringstream stream;
     model_->save(stream);
-    {
-        cereal::BinaryOutputArchive archive(stream);
-        serialize_progress(archive);
-    }
+    cereal::BinaryOutputArchive archive(stream);
+    serialize_progress(archive);
     std::string bytes = pack(fmu_.identity, stream.str());
     if (reused == nullptr) return keep(std::move(bytes));
     *reused = State(std::move(bytes));

@@ -42,11 +42,11 @@ class Instance {
     void reset();
 
     // T is the variables' type here (double, int, bool), External the one of the FMI version.
-    // All or nothing: values are set only when every one of them may be.
+    // One value for each reference. All or nothing: values are set only when every one of them may be.
     template <class T, class External>
-    void get(std::span<const unsigned> references, External* values);
+    void get(std::span<const unsigned> references, std::span<External> values);
     template <class T, class External>
-    void set(std::span<const unsigned> references, const External* values);
+    void set(std::span<const unsigned> references, std::span<const External> values);
 
     // States live until they are released, the instance at most. nullptr is a state that does not exist yet.
     [[nodiscard]] State* save(State* overwritten);
@@ -65,7 +65,7 @@ class Instance {
     void require(Phases allowed) const;
     void require_readable(std::span<const unsigned> references, Type type) const;
     void require_settable(std::span<const unsigned> references, Type type) const;
-    const Variable& variable(unsigned reference, Type type) const;
+    [[nodiscard]] const Variable& variable(unsigned reference, Type type) const;
     [[nodiscard]] bool any_of(std::span<const unsigned> references, Causality causality) const;
     void initialise();
     [[nodiscard]] State* find(const State* state) const;
@@ -89,28 +89,33 @@ class Instance {
 };
 
 template <class T, class External>
-void Instance::get(std::span<const unsigned> references, External* values) {
+void Instance::get(std::span<const unsigned> references, std::span<External> values) {
     require_readable(references, type_of<T>);
-    if (any_of(references, Causality::output)) initialise();
-    for (const unsigned reference : references) {
+    if (any_of(references, Causality::output)) {
+        initialise();
+    }
+    for (std::size_t i = 0; i < references.size(); ++i) {
         T value{};
-        model_->get(reference, value);
-        *values++ = static_cast<External>(value);
+        model_->get(references[i], value);
+        values[i] = static_cast<External>(value);
     }
 }
 
 template <class T, class External>
-void Instance::set(std::span<const unsigned> references, const External* values) {
+void Instance::set(std::span<const unsigned> references, std::span<const External> values) {
     require_settable(references, type_of<T>);
     const auto store = [&] {
-        const External* value = values;
-        for (const unsigned reference : references) model_->set(reference, static_cast<T>(*value++));
+        for (std::size_t i = 0; i < references.size(); ++i) {
+            model_->set(references[i], static_cast<T>(values[i]));
+        }
     };
     if (phase_ == Phase::stepping && any_of(references, Causality::tunable)) {
         model_->retune(store);
-    } else {
-        store();
-        if (phase_ != Phase::stepping) initialised_ = false;
+        return;
+    }
+    store();
+    if (phase_ != Phase::stepping) {
+        initialised_ = false;
     }
 }
 

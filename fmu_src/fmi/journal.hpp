@@ -1,6 +1,7 @@
 // The log of one instance: two categories, each on or off, and a sink that knows the FMI version.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
@@ -12,7 +13,7 @@ namespace truenorth::fmi {
 
 class Journal final : public Log {
   public:
-    enum class Severity { information, error };
+    enum class Severity : std::uint8_t { information, error };
     using Sink = std::function<void(Severity severity, const char* category, const char* text)>;
 
     static constexpr const char* errors_category = "logStatusError";

@@ -69,15 +69,9 @@ class ComponentModel final : public Model {
     void initialise(double start_time) override { component_.initialise(start_time); }
     void step(double time, double size) override { component_.step(time, size); }
 
-    void save(std::ostream& stream) const override {
-        cereal::BinaryOutputArchive archive(stream);
-        archive(component_);
-    }
+    void save(std::ostream& stream) const override { cereal::BinaryOutputArchive{stream}(component_); }
 
-    void load(std::istream& stream) override {
-        cereal::BinaryInputArchive archive(stream);
-        archive(component_);
-    }
+    void load(std::istream& stream) override { cereal::BinaryInputArchive{stream}(component_); }
 
   private:
     template <class T>

@@ -142,6 +142,19 @@ TEST_F(TruthPlantTest, TheDefaultParkedVehicleHardlyMoves) {
     }
 }
 
+TEST_F(TruthPlantTest, TheParkedVehicleVibratesWithTheAccelerationDeclared) {
+    Parameters& parameters = plant_.parameters;
+    make_perfect(parameters);
+    parameters.motion.kind = MotionKind::parked_vehicle;
+    parameters.motion.settle.angle.setZero();
+    parameters.motion.vibration.angle.setZero();
+    parameters.motion.vibration.acceleration = {0.3, 0.0, 0.0};
+    parameters.motion.vibration.frequency.setConstant(5.0);
+    plant_.initialise(0.0);
+    run(plant_, 0, 10, 10);  // the integral of 0.3 sin(10 pi t) over its positive half wave
+    EXPECT_NEAR(plant_.outputs.imu.delta_velocity.x(), 2.0 * 0.3 / (10.0 * std::numbers::pi), 1e-8);
+}
+
 TEST_F(TruthPlantTest, TruthBiasesAreWhatTheIncrementsShow) {
     make_perfect(plant_.parameters);
     TruthPlant biased(log_);

@@ -6,7 +6,7 @@
 
 namespace {
 
-std::atomic<long> count{0};
+std::atomic<long> count{0};  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
 
 }  // namespace
 

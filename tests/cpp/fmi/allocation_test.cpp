@@ -21,7 +21,9 @@ std::string description_of(const std::string& name) {
 template <class Value>
 Port<Value> port(const LoadedFmu& fmu, const std::vector<std::string>& names) {
     Port<Value> port{names, {}, std::vector<Value>(names.size())};
-    for (const std::string& name : names) port.references.push_back(fmu.reference(name));
+    for (const std::string& name : names) {
+        port.references.push_back(fmu.reference(name));
+    }
     return port;
 }
 

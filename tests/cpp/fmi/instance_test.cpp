@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <span>
 #include <string>
 
 #include "components/invalid_parameter.hpp"
@@ -21,11 +22,13 @@ class InstanceTest : public testing::Test {
   protected:
     Instance instance{stand_in(), [](Journal::Severity, const char*, const char*) {}, false};
 
-    void set(unsigned reference, double value) { instance.set<double>(std::array{reference}, &value); }
+    void set(unsigned reference, double value) {
+        instance.set<double>(std::array{reference}, std::span<const double>(&value, 1));
+    }
 
     double get(unsigned reference) {
         double value = 0.0;
-        instance.get<double>(std::array{reference}, &value);
+        instance.get<double>(std::array{reference}, std::span(&value, 1));
         return value;
     }
 

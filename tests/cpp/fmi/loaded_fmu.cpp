@@ -20,15 +20,19 @@ std::string content_of(const std::string& path) {
 
 std::string first_match(const std::string& text, const std::string& pattern) {
     std::smatch match;
-    if (!std::regex_search(text, match, std::regex(pattern)))
+    if (!std::regex_search(text, match, std::regex(pattern))) {
         throw std::runtime_error("not found: " + pattern);
+    }
     return match[1];
 }
 
 void require(fmi2Status status, const char* what) {
-    if (status != fmi2OK) throw std::runtime_error(std::string(what) + " failed");
+    if (status != fmi2OK) {
+        throw std::runtime_error(std::string(what) + " failed");
+    }
 }
 
+// NOLINTNEXTLINE(modernize-avoid-variadic-functions): the standard says so
 void log(fmi2ComponentEnvironment /*environment*/, fmi2String name, fmi2Status /*status*/,
          fmi2String category, fmi2String text, ...) {
     std::cerr << name << ' ' << category << ' ' << text << '\n';
@@ -39,27 +43,34 @@ void log(fmi2ComponentEnvironment /*environment*/, fmi2String name, fmi2Status /
 template <class Function>
 Function* LoadedFmu::function(const char* name) const {
     void* symbol = dlsym(library_, name);
-    if (symbol == nullptr) throw std::runtime_error(std::string(name) + " is not exported");
-    return reinterpret_cast<Function*>(symbol);
+    if (symbol == nullptr) {
+        throw std::runtime_error(std::string(name) + " is not exported");
+    }
+    return reinterpret_cast<Function*>(symbol);  // NOLINT(cppcoreguidelines-pro-type-reinterpret-cast)
 }
 
 LoadedFmu::LoadedFmu(const std::string& binary, const std::string& description)
     : description_(content_of(description)), library_(dlopen(binary.c_str(), RTLD_NOW | RTLD_LOCAL)) {
-    if (library_ == nullptr) throw std::runtime_error(dlerror());
+    if (library_ == nullptr) {
+        throw std::runtime_error(dlerror());
+    }
     get_real_ = function<fmi2GetRealTYPE>("fmi2GetReal");
     set_real_ = function<fmi2SetRealTYPE>("fmi2SetReal");
     get_integer_ = function<fmi2GetIntegerTYPE>("fmi2GetInteger");
     set_integer_ = function<fmi2SetIntegerTYPE>("fmi2SetInteger");
     do_step_ = function<fmi2DoStepTYPE>("fmi2DoStep");
+    free_instance_ = function<fmi2FreeInstanceTYPE>("fmi2FreeInstance");
     callbacks_.logger = log;
     const std::string guid = first_match(description_, "guid=\"([^\"]*)\"");
     component_ = function<fmi2InstantiateTYPE>("fmi2Instantiate")("test", fmi2CoSimulation, guid.c_str(),
                                                                   nullptr, &callbacks_, fmi2False, fmi2False);
-    if (component_ == nullptr) throw std::runtime_error("fmi2Instantiate failed");
+    if (component_ == nullptr) {
+        throw std::runtime_error("fmi2Instantiate failed");
+    }
 }
 
 LoadedFmu::~LoadedFmu() {
-    function<fmi2FreeInstanceTYPE>("fmi2FreeInstance")(component_);
+    free_instance_(component_);
     dlclose(library_);
 }
 

@@ -57,6 +57,7 @@ class LoadedFmu {
     fmi2GetIntegerTYPE* get_integer_;
     fmi2SetIntegerTYPE* set_integer_;
     fmi2DoStepTYPE* do_step_;
+    fmi2FreeInstanceTYPE* free_instance_;
 };
 
 }  // namespace truenorth::test

@@ -9,7 +9,7 @@
 namespace truenorth::fmi {
 namespace {
 
-constexpr Identity owner{"Owner", "{1}"};
+constexpr Identity owner{.name = "Owner", .guid = "{1}"};
 
 std::string reason_for_refusing(const std::string& bytes, const Identity& reader = owner) {
     try {
@@ -38,9 +38,9 @@ TEST(Snapshot, EveryChangedBitAndEveryLengthIsRefused) {
     const std::string bytes = pack(owner, "payload");
     ASSERT_EQ(reason_for_refusing(bytes), "accepted");
     for (std::size_t i = 0; i < bytes.size(); ++i) {
-        for (int bit = 0; bit < 8; ++bit) {
+        for (unsigned bit = 0; bit < 8; ++bit) {
             std::string damaged = bytes;
-            damaged[i] = static_cast<char>(damaged[i] ^ (1 << bit));
+            damaged[i] = static_cast<char>(static_cast<unsigned char>(damaged[i]) ^ (1U << bit));
             EXPECT_NE(reason_for_refusing(damaged), "accepted") << "byte " << i << ", bit " << bit;
         }
         EXPECT_NE(reason_for_refusing(bytes.substr(0, i)), "accepted") << "length " << i;

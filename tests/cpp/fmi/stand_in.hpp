@@ -29,7 +29,7 @@ class StandIn {
     double input = 0.0;
     double output = 0.0;  // sum of tunable * input over the steps
 
-    explicit StandIn(Log& log) : log_(log) {}
+    explicit StandIn(Log& log) : log_(&log) {}
 
     void initialise(double /*start_time*/) {
         rules::greater_than("fixed", parameters.fixed, 0.0);
@@ -41,10 +41,16 @@ class StandIn {
 
     // Inputs choose how a step ends: negative, it cannot be made; above 100, it breaks down.
     void step(double /*time*/, double /*size*/) {
-        if (input < 0.0) throw std::invalid_argument("cannot make this step");
+        if (input < 0.0) {
+            throw std::invalid_argument("cannot make this step");
+        }
         output += parameters.tunable * input;
-        if (input > 100.0) throw std::runtime_error("broke down");
-        if (log_.listens()) log_.event("stepped");
+        if (input > 100.0) {
+            throw std::runtime_error("broke down");
+        }
+        if (log_->listens()) {
+            log_->event("stepped");
+        }
     }
 
     template <class Archive>
@@ -53,30 +59,53 @@ class StandIn {
     }
 
   private:
-    Log& log_;
+    Log* log_;
 };
 
-enum : unsigned { fixed, tunable, input, output };
+inline constexpr unsigned fixed = 0;
+inline constexpr unsigned tunable = 1;
+inline constexpr unsigned input = 2;
+inline constexpr unsigned output = 3;
 
 inline fmi::Fmu stand_in() {
     using fmi::Access;
     using fmi::Causality;
-    static constexpr std::array<fmi::Row<StandIn>, 4> table{{
-        {{"fixed", Causality::parameter, fmi::Type::real},
-         Access<StandIn, double>{[](const StandIn& c) { return c.parameters.fixed; },
-                                 [](StandIn& c, double v) { c.parameters.fixed = v; }}},
-        {{"tunable", Causality::tunable, fmi::Type::real},
-         Access<StandIn, double>{[](const StandIn& c) { return c.parameters.tunable; },
-                                 [](StandIn& c, double v) { c.parameters.tunable = v; }}},
-        {{"input", Causality::input, fmi::Type::real},
-         Access<StandIn, double>{[](const StandIn& c) { return c.input; },
-                                 [](StandIn& c, double v) { c.input = v; }}},
-        {{"output", Causality::output, fmi::Type::real},
-         Access<StandIn, double>{[](const StandIn& c) { return c.output; }, nullptr}},
-    }};
-    return {{"StandIn", "{stand-in}"}, [](Log& log) -> std::unique_ptr<fmi::Model> {
-                return std::make_unique<fmi::ComponentModel<StandIn>>(table, log);
-            }};
+    static constexpr std::array<fmi::Row<StandIn>, 4> table{
+        {
+            {
+                .variable = {.name = "fixed", .causality = Causality::parameter, .type = fmi::Type::real},
+                .access = Access<StandIn, double>{
+                    .get = [](const StandIn& c) { return c.parameters.fixed; },
+                    .set = [](StandIn& c, double v) { c.parameters.fixed = v; },
+                },
+            },
+            {
+                .variable = {.name = "tunable", .causality = Causality::tunable, .type = fmi::Type::real},
+                .access = Access<StandIn, double>{
+                    .get = [](const StandIn& c) { return c.parameters.tunable; },
+                    .set = [](StandIn& c, double v) { c.parameters.tunable = v; },
+                },
+            },
+            {
+                .variable = {.name = "input", .causality = Causality::input, .type = fmi::Type::real},
+                .access = Access<StandIn, double>{
+                    .get = [](const StandIn& c) { return c.input; },
+                    .set = [](StandIn& c, double v) { c.input = v; },
+                },
+            },
+            {
+                .variable = {.name = "output", .causality = Causality::output, .type = fmi::Type::real},
+                .access =
+                    Access<StandIn, double>{.get = [](const StandIn& c) { return c.output; }, .set = nullptr},
+            },
+        },
+    };
+    return {
+        .identity = {.name = "StandIn", .guid = "{stand-in}"},
+        .make_model = [](Log& log) -> std::unique_ptr<fmi::Model> {
+            return std::make_unique<fmi::ComponentModel<StandIn>>(table, log);
+        },
+    };
 }
 
 }  // namespace truenorth::test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
+#include <initializer_list>
 #include <numbers>
 #include <vector>
 
@@ -231,17 +231,25 @@ double wave_autocorrelation(double damping, double angle) {
     return std::exp(-damping * angle) * (std::cos(root * angle) - damping / root * std::sin(root * angle));
 }
 
-TEST(InertialSensor, WaveNoiseHasItsSigmaAndAutocorrelation) {
+void expect_wave_autocorrelation(double period, double damping, std::initializer_list<int> lags) {
     InertialSensor::Errors errors;
     errors.wave_sigma = 1.0;
-    errors.wave_period = 0.8;
-    errors.wave_damping = 0.1;
+    errors.wave_period = period;
+    errors.wave_damping = damping;
     constexpr int runs = 4000;
-    for (const int lag : {0, 20, 40, 80, 160}) {
-        const double angle = 2.0 * std::numbers::pi * lag * kPeriod / errors.wave_period;
-        const double rho = wave_autocorrelation(errors.wave_damping, angle);
+    for (const int lag : lags) {
+        const double rho = wave_autocorrelation(damping, 2.0 * std::numbers::pi * lag * kPeriod / period);
         EXPECT_NEAR(autocovariance(errors, lag, runs), rho, bound(rho, runs)) << "lag " << lag;
     }
+}
+
+TEST(InertialSensor, WaveNoiseHasItsSigmaAndAutocorrelation) {
+    expect_wave_autocorrelation(0.8, 0.1, {0, 20, 40, 80, 160});
+}
+
+// Eight samples a period: the discretisation is exact, not a matter of short samples.
+TEST(InertialSensor, WaveNoiseIsRightForLongSamplesToo) {
+    expect_wave_autocorrelation(0.08, 0.7, {0, 1, 2, 3, 4});
 }
 
 TEST(InertialSensor, WaveNoiseIsStationary) {
