@@ -1,0 +1,62 @@
+#include "estimation/estimator.hpp"
+
+#include <gtest/gtest.h>
+
+#include "estimation/example_models.hpp"
+#include "estimation/random_covariance.hpp"
+#include "estimation/standard.hpp"
+
+namespace truenorth {
+namespace {
+
+struct ResettableModel : LinearModel<4> {
+    [[nodiscard]] static Matrix<4> reset_jacobian(const Vector<4>& x) {
+        return Matrix<4>::Identity() + x * Vector<4>::Unit(1).transpose();
+    }
+};
+
+Estimator<ResettableModel> example() {
+    Estimator<ResettableModel> estimator;
+    RandomCovariance random(13);
+    estimator.model.F = random.normal<4, 4>();
+    estimator.model.Q = random.covariance<4>(0.1, 1.0);
+    estimator.state = random.normal<4, 1>();
+    estimator.covariance = random.covariance<4>(0.1, 1.0);
+    return estimator;
+}
+
+TEST(Estimator, PredictsWithTheChosenPredictor) {
+    for (const Predictor& predictor : {Predictor(Linearised()), Predictor(Unscented())}) {
+        auto estimator = example();
+        const Matrix<4>& F = estimator.model.F;
+        const Vector<4> state = F * estimator.state;
+        const Matrix<4> covariance = F * estimator.covariance * F.transpose() + estimator.model.Q;
+        estimator.predictor = predictor;
+        EXPECT_EQ(estimator.predict({}), Prediction::sound);
+        EXPECT_LT(relative_difference(estimator.state, state), 1e-9);
+        EXPECT_LT(relative_difference(estimator.covariance, covariance), 1e-9);
+    }
+}
+
+TEST(Estimator, AppliesACorrectionToItsState) {
+    auto estimator = example();
+    const Vector<4> before = estimator.state;
+    const auto innovation = estimator.innovate({Eigen::Vector2d(1.0, 2.0)});
+    const auto correction = Standard().correct(estimator.covariance, innovation);
+    estimator.apply(correction);
+    EXPECT_EQ(estimator.state, before + correction.deviation);
+    EXPECT_EQ(estimator.covariance, correction.covariance);
+}
+
+TEST(Estimator, ResetMovesTheCovarianceWithTheJacobianAtTheEstimate) {
+    auto estimator = example();
+    const Matrix<4> G = ResettableModel::reset_jacobian(estimator.state);
+    const Matrix<4> expected = G * estimator.covariance * G.transpose();
+    estimator.reset(Vector<4>::Zero());
+    EXPECT_LT(relative_difference(estimator.covariance, expected), 1e-14);
+    EXPECT_EQ(estimator.covariance, estimator.covariance.transpose());
+    EXPECT_EQ(estimator.state, Vector<4>::Zero());
+}
+
+}  // namespace
+}  // namespace truenorth

@@ -1,0 +1,225 @@
+#include "estimation/h_infinity.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/random_covariance.hpp"
+
+namespace truenorth {
+namespace {
+
+constexpr int kStates = 6;
+constexpr int kMeasurements = 2;
+constexpr int kHeading = 4;
+using Square = Matrix<kStates>;
+
+// Zhou 2011, eqs. 7-11 in the form of the algorithm that follows them; R = I.
+Square transcription(const Square& P, const Matrix<kMeasurements, kStates>& H, const Square& L,
+                     double gamma) {
+    const Square I = Square::Identity();
+    const Matrix<kStates, kMeasurements> K =
+        P * H.transpose() *
+        Matrix<kMeasurements>(H * P * H.transpose() + Matrix<kMeasurements>::Identity()).inverse();
+    const Square B = -gamma * gamma * I + L * (I - K * H) * P * L.transpose();
+    const Square M = (I - K * H) * P * L.transpose() * B.inverse() * L;
+    return P - (I - M) * K * H * P - M * P;
+}
+
+struct Case {
+    explicit Case(RandomCovariance& random)
+        : P(random.covariance<kStates>(0.1, 2.0)),
+          H(random.normal<kMeasurements, kStates>()),
+          R(random.covariance<kMeasurements>(0.1, 2.0)),
+          residual(random.normal<kMeasurements, 1>()),
+          scale(random.normal<kStates, 1>().cwiseAbs() + Vector<kStates>::Constant(0.2)) {}
+
+    [[nodiscard]] Innovation<kStates, kMeasurements> innovation() const {
+        return innovation_of<kStates, kMeasurements>(P, H, R, residual);
+    }
+    [[nodiscard]] Square standard() const { return Standard().correct(P, innovation()).covariance; }
+    // The largest eigenvalue of L P_post L; feasible while it is below gamma^2.
+    [[nodiscard]] double largest(const Vector<kStates>& L) const {
+        const Square scaled = L.asDiagonal() * standard() * L.asDiagonal();
+        return Eigen::SelfAdjointEigenSolver<Square>(scaled).eigenvalues()(kStates - 1);
+    }
+    [[nodiscard]] Vector<kStates> heading_scale() const {
+        return scale(kHeading) * Vector<kStates>::Unit(kHeading);
+    }
+
+    Square P;
+    Matrix<kMeasurements, kStates> H;
+    Matrix<kMeasurements> R;
+    Vector<kMeasurements> residual;
+    Vector<kStates> scale;
+};
+
+class HInfinityCorrector : public testing::TestWithParam<unsigned> {
+  protected:
+    // The check gets a case and an L, full or of the heading alone.
+    template <class Check>
+    void for_random_cases(const Check& check) {
+        RandomCovariance random(GetParam());
+        for (int i = 0; i < 100; ++i) {
+            const Case c(random);
+            check(c, c.scale);
+            check(c, c.heading_scale());
+        }
+    }
+};
+
+TEST_P(HInfinityCorrector, TakesInformationFromTheStandardPosterior) {
+    for_random_cases([](const Case& c, const Vector<kStates>& L) {
+        const double gamma = std::sqrt(2.0 * c.largest(L));
+        const auto correction = HInfinity<kStates>{.gamma = gamma, .scale = L}.correct(c.P, c.innovation());
+        const Square weight = L.cwiseAbs2().asDiagonal();
+        const Square expected = Square(c.standard().inverse() - weight / (gamma * gamma)).inverse();
+        EXPECT_LT(relative_difference(correction.covariance, expected), 1e-10);
+        EXPECT_TRUE(correction.feasible);
+        EXPECT_EQ(correction.gamma_effective, gamma);
+    });
+}
+
+TEST_P(HInfinityCorrector, IsTheAlgorithmOfZhou2011InNoiseNormalisedUnits) {
+    for_random_cases([](Case c, const Vector<kStates>& L) {
+        c.R.setIdentity();
+        const double gamma = std::sqrt(1.5 * c.largest(L));
+        const auto correction = HInfinity<kStates>{.gamma = gamma, .scale = L}.correct(c.P, c.innovation());
+        EXPECT_LT(relative_difference(correction.covariance, transcription(c.P, c.H, L.asDiagonal(), gamma)),
+                  1e-10);
+    });
+}
+
+TEST_P(HInfinityCorrector, CorrectsTheStateAsTheStandardCorrectorDoes) {
+    for_random_cases([](const Case& c, const Vector<kStates>& L) {
+        const auto correction = HInfinity<kStates>{.gamma = 1.0, .scale = L}.correct(c.P, c.innovation());
+        EXPECT_EQ(correction.deviation, Standard().correct(c.P, c.innovation()).deviation);
+    });
+}
+
+TEST_P(HInfinityCorrector, TendsToTheStandardCorrectorForLargeGamma) {
+    for_random_cases([](const Case& c, const Vector<kStates>& L) {
+        const auto difference = [&](double gamma) {
+            return relative_difference(
+                HInfinity<kStates>{.gamma = gamma, .scale = L}.correct(c.P, c.innovation()).covariance,
+                c.standard());
+        };
+        EXPECT_LT(difference(1e8), 1e-13);
+        // To first order P_post L^2 P_post / gamma^2: a hundredth for ten times gamma.
+        EXPECT_NEAR(difference(1e3) / difference(1e4), 100.0, 0.1);
+    });
+}
+
+TEST_P(HInfinityCorrector, BacksOffWhereGammaIsInfeasible) {
+    for_random_cases([](const Case& c, const Vector<kStates>& L) {
+        for (const double share : {0.999, 0.5, 1e-3, 1e-9}) {  // of the limit gamma^2 = largest eigenvalue
+            const double gamma = std::sqrt(share * c.largest(L));
+            const auto correction =
+                HInfinity<kStates>{.gamma = gamma, .scale = L}.correct(c.P, c.innovation());
+            EXPECT_FALSE(correction.feasible);
+            EXPECT_GT(correction.gamma_effective * correction.gamma_effective, c.largest(L));
+            EXPECT_TRUE(correction.covariance.allFinite());
+            EXPECT_EQ(correction.covariance, correction.covariance.transpose());
+            EXPECT_GT(smallest_eigenvalue<kStates>(correction.covariance), 0.0);
+            // No direction grows more than tenfold, and the update is the exact one of the gamma it reports.
+            EXPECT_GT(smallest_eigenvalue<kStates>(10.0 * c.standard() - correction.covariance), -1e-11);
+            const Square weight = L.cwiseAbs2().asDiagonal();
+            const Square exact =
+                Square(c.standard().inverse() - weight / std::pow(correction.gamma_effective, 2)).inverse();
+            EXPECT_LT(relative_difference(correction.covariance, exact), 1e-10);
+        }
+    });
+}
+
+TEST_P(HInfinityCorrector, BacksOffFromTheDocumentedShareOfTheLimitOn) {
+    for_random_cases([](const Case& c, const Vector<kStates>& L) {
+        const double border = std::sqrt(c.largest(L) / HInfinity<kStates>::kLargestRatio);
+        EXPECT_TRUE((HInfinity<kStates>{.gamma = border * 1.000001, .scale = L}
+                         .correct(c.P, c.innovation())
+                         .feasible));
+        EXPECT_FALSE((HInfinity<kStates>{.gamma = border * 0.999999, .scale = L}
+                          .correct(c.P, c.innovation())
+                          .feasible));
+    });
+}
+
+// Eigenvalues of a covariance in units of sigma, ascending.
+Vector<kStates> eigenvalues_in(const Vector<kStates>& sigma, const Square& P) {
+    const Vector<kStates> inverse = sigma.cwiseInverse();
+    return Eigen::SelfAdjointEigenSolver<Square>(Square(inverse.asDiagonal() * P * inverse.asDiagonal()))
+        .eigenvalues();
+}
+
+TEST_P(HInfinityCorrector, BelowItsCeilingIsTheExactUpdate) {
+    for_random_cases([](const Case& c, const Vector<kStates>& L) {
+        const Vector<kStates> sigma = c.scale.cwiseInverse();
+        const double gamma = std::sqrt(2.0 * c.largest(L));
+        const HInfinity<kStates> free{.gamma = gamma, .scale = L};
+        const HInfinity<kStates> bounded{.gamma = gamma, .scale = L, .ceiling = {{sigma, 1e6}}};
+        EXPECT_LT(relative_difference(bounded.correct(c.P, c.innovation()).covariance,
+                                      free.correct(c.P, c.innovation()).covariance),
+                  1e-10);
+    });
+}
+
+TEST_P(HInfinityCorrector, ClipsTheEigenvaluesInUnitsOfSigmaAtTheCeiling) {
+    for_random_cases([](const Case& c, const Vector<kStates>& L) {
+        const Vector<kStates> sigma = c.scale.cwiseInverse();
+        for (const double gamma : {0.05, 0.3, 1.0, 2.0}) {
+            const double limit = 1.5 * eigenvalues_in(sigma, c.standard())(kStates - 1);
+            const HInfinity<kStates> corrector{.gamma = gamma, .scale = L, .ceiling = {{sigma, limit}}};
+            const auto correction = corrector.correct(c.P, c.innovation());
+            EXPECT_TRUE(correction.feasible);
+            EXPECT_EQ(correction.covariance, correction.covariance.transpose());
+
+            // The information that is left, in units of sigma; what is not positive has no variance to clip.
+            const Square weight = L.cwiseAbs2().asDiagonal();
+            const Square left =
+                sigma.asDiagonal() * (c.standard().inverse() - weight / (gamma * gamma)) * sigma.asDiagonal();
+            const Vector<kStates> information = Eigen::SelfAdjointEigenSolver<Square>(left).eigenvalues();
+            const Vector<kStates> found = eigenvalues_in(sigma, correction.covariance);
+            for (int i = 0; i < kStates; ++i) {
+                const double mine = information(kStates - 1 - i);
+                EXPECT_NEAR(found(i), mine * limit > 1.0 ? 1.0 / mine : limit, 1e-10 * limit);
+            }
+        }
+    });
+}
+
+TEST_P(HInfinityCorrector, WithACeilingThatClearsTheStandardPosteriorIsNeverBelowIt) {
+    RandomCovariance random(GetParam());
+    for (int i = 0; i < 100; ++i) {
+        const Case c(random);
+        const Vector<kStates> sigma = c.scale.cwiseInverse();
+        for (const double gamma : {0.05, 0.3, 1.0, 2.0}) {
+            const double limit = 1.5 * eigenvalues_in(sigma, c.standard())(kStates - 1);
+            const HInfinity<kStates> corrector{.gamma = gamma, .scale = c.scale, .ceiling = {{sigma, limit}}};
+            const Square posterior = corrector.correct(c.P, c.innovation()).covariance;
+            EXPECT_GT(smallest_eigenvalue<kStates>(posterior - c.standard()), -1e-11);
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, HInfinityCorrector, testing::Values(17U, 1717U));
+
+TEST(HInfinityCorrectorByHand, InflatesAScalar) {
+    // Posterior variance 0.8; 1 / (1 / 0.8 - 1 / 4) = 1.
+    const auto innovation =
+        innovation_of<1, 1>(Matrix<1>(4.0), Matrix<1>(1.0), Matrix<1>(1.0), Vector<1>(10.0));
+    const auto correction = HInfinity<1>{.gamma = 2.0}.correct(Matrix<1>(4.0), innovation);
+    EXPECT_NEAR(correction.covariance(0), 1.0, 1e-14);
+    EXPECT_NEAR(correction.deviation(0), 8.0, 1e-14);
+}
+
+TEST(HInfinityCorrectorByHand, LeavesStatesWithoutScaleAndCorrelationAlone) {
+    Matrix<2> P = Eigen::Vector2d(1.0, 3.0).asDiagonal();
+    const auto innovation = innovation_of<2, 1>(P, Matrix<1, 2>(1.0, 0.0), Matrix<1>(1.0), Vector<1>(0.0));
+    const auto correction = HInfinity<2>{.gamma = 1.0, .scale = {1.0, 0.0}}.correct(P, innovation);
+    EXPECT_NEAR(correction.covariance(0, 0), 1.0, 1e-14);  // 1 / (1 / 0.5 - 1)
+    EXPECT_EQ(correction.covariance(1, 1), 3.0);
+}
+
+}  // namespace
+}  // namespace truenorth
