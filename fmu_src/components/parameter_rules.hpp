@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "components/invalid_parameter.hpp"
 
@@ -27,28 +28,38 @@ template <class Number>
 }
 
 inline void finite(std::string_view name, double value) {
-    if (!std::isfinite(value)) refuse(name, value, "a finite number");
+    if (!std::isfinite(value)) {
+        refuse(name, value, "a finite number");
+    }
 }
 
 template <class Number>
 void at_least(std::string_view name, Number value, Number limit) {
-    if (value < limit) refuse(name, value, "at least " + text(limit));
+    if (value < limit) {
+        refuse(name, value, "at least " + text(limit));
+    }
 }
 
 template <class Number>
 void greater_than(std::string_view name, Number value, Number limit) {
-    if (value <= limit) refuse(name, value, "greater than " + text(limit));
+    if (value <= limit) {
+        refuse(name, value, "greater than " + text(limit));
+    }
 }
 
 template <class Number>
 void at_most(std::string_view name, Number value, Number limit) {
-    if (value > limit) refuse(name, value, "at most " + text(limit));
+    if (value > limit) {
+        refuse(name, value, "at most " + text(limit));
+    }
 }
 
 template <class Enumeration>
 void one_of(std::string_view name, Enumeration value, std::initializer_list<std::string_view> items) {
     const auto number = static_cast<int>(value);
-    if (number >= 1 && number <= static_cast<int>(items.size())) return;
+    if (number >= 1 && std::cmp_less_equal(number, items.size())) {
+        return;
+    }
     std::string list;
     int count = 0;
     for (const std::string_view item : items) {

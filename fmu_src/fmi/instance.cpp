@@ -51,8 +51,9 @@ const char* name_of(Type type) {
 double tolerance_at(double time) { return 1e-9 + 1e-12 * std::abs(time); }
 
 void require_finite(const char* what, double value) {
-    if (!std::isfinite(value))
+    if (!std::isfinite(value)) {
         throw Refusal(std::string(what) + " = " + text(value) + ": must be a finite number");
+    }
 }
 
 }  // namespace
@@ -63,10 +64,13 @@ Instance::Instance(const Fmu& fmu, Journal::Sink sink, bool events)
 // ------------------------------------------------------------------ order of calls
 
 void Instance::require(Phases allowed) const {
-    if (std::find(allowed.begin(), allowed.end(), phase_) != allowed.end()) return;
+    if (std::ranges::find(allowed, phase_) != allowed.end()) {
+        return;
+    }
     std::string list;
-    for (const Phase phase : allowed)
+    for (const Phase phase : allowed) {
         list += (list.empty() ? "'" : ", '") + std::string(name_of(phase)) + "'";
+    }
     throw Refusal("not allowed in the phase '" + std::string(name_of(phase_)) + "', only in " + list);
 }
 
@@ -98,7 +102,9 @@ void Instance::exit_initialisation() {
 }
 
 void Instance::initialise() {
-    if (initialised_ || phase_ != Phase::initialising) return;
+    if (initialised_ || phase_ != Phase::initialising) {
+        return;
+    }
     model_->initialise(start_time_);
     initialised_ = true;
 }
@@ -107,7 +113,9 @@ void Instance::step(double time, double size) {
     require({Phase::stepping});
     require_finite("current communication point", time);
     require_finite("step size", size);
-    if (size <= 0.0) throw Refusal("step size = " + text(size) + ": must be greater than 0");
+    if (size <= 0.0) {
+        throw Refusal("step size = " + text(size) + ": must be greater than 0");
+    }
     if (std::abs(time - time_) > tolerance_at(time_)) {
         throw Refusal("the step begins at " + text(time) + " s, but the last one ended at " + text(time_) +
                       " s");
@@ -156,13 +164,15 @@ const Variable& Instance::variable(unsigned reference, Type type) const {
 }
 
 bool Instance::any_of(std::span<const unsigned> references, Causality causality) const {
-    return std::any_of(references.begin(), references.end(),
-                       [&](unsigned reference) { return model_->find(reference)->causality == causality; });
+    return std::ranges::any_of(
+        references, [&](unsigned reference) { return model_->find(reference)->causality == causality; });
 }
 
 void Instance::require_readable(std::span<const unsigned> references, Type type) const {
     require({Phase::initialising, Phase::stepping, Phase::failed, Phase::terminated});
-    for (const unsigned reference : references) variable(reference, type);
+    for (const unsigned reference : references) {
+        static_cast<void>(variable(reference, type));
+    }
 }
 
 void Instance::require_settable(std::span<const unsigned> references, Type type) const {
@@ -187,8 +197,7 @@ State* Instance::keep(std::string bytes) {
 }
 
 State* Instance::find(const State* state) const {
-    const auto found =
-        std::find_if(states_.begin(), states_.end(), [&](const auto& own) { return own.get() == state; });
+    const auto found = std::ranges::find_if(states_, [&](const auto& own) { return own.get() == state; });
     if (found == states_.end()) {
         throw Refusal(
             "this is no state that the instance has stored; to hand a state over to another instance, "
@@ -204,7 +213,9 @@ State* Instance::save(State* overwritten) {
     cereal::BinaryOutputArchive archive(stream);
     serialize_progress(archive);
     std::string bytes = pack(fmu_.identity, stream.str());
-    if (reused == nullptr) return keep(std::move(bytes));
+    if (reused == nullptr) {
+        return keep(std::move(bytes));
+    }
     *reused = State(std::move(bytes));
     return reused;
 }
@@ -224,7 +235,9 @@ void Instance::restore(const State* state) {
 }
 
 void Instance::release(const State* state) {
-    if (state == nullptr) return;
+    if (state == nullptr) {
+        return;
+    }
     std::erase_if(states_, [own = find(state)](const auto& candidate) { return candidate.get() == own; });
 }
 

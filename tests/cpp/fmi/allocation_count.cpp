@@ -21,8 +21,8 @@ long allocations() { return count; }
 extern "C" {
 
 void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t number, std::size_t size);
-void* __libc_realloc(void* memory, std::size_t size);
+void* __libc_calloc(std::size_t nmemb, std::size_t size);
+void* __libc_realloc(void* ptr, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 void* malloc(std::size_t size) {
@@ -30,14 +30,14 @@ void* malloc(std::size_t size) {
     return __libc_malloc(size);
 }
 
-void* calloc(std::size_t number, std::size_t size) {
+void* calloc(std::size_t nmemb, std::size_t size) {
     ++count;
-    return __libc_calloc(number, size);
+    return __libc_calloc(nmemb, size);
 }
 
-void* realloc(void* memory, std::size_t size) {
+void* realloc(void* ptr, std::size_t size) {
     ++count;
-    return __libc_realloc(memory, size);
+    return __libc_realloc(ptr, size);
 }
 
 void* memalign(std::size_t alignment, std::size_t size) {
@@ -47,9 +47,9 @@ void* memalign(std::size_t alignment, std::size_t size) {
 
 void* aligned_alloc(std::size_t alignment, std::size_t size) { return memalign(alignment, size); }
 
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
-    *memory = memalign(alignment, size);
-    return *memory == nullptr ? ENOMEM : 0;
+int posix_memalign(void** memptr, std::size_t alignment, std::size_t size) {
+    *memptr = memalign(alignment, size);
+    return *memptr == nullptr ? ENOMEM : 0;
 }
 
 }  // extern "C"
