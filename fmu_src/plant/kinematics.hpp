@@ -8,10 +8,10 @@
 namespace truenorth::plant {
 
 struct Kinematics {
-    Eigen::Vector3d velocity;      // v^n, relative to the Earth [m/s]
-    Eigen::Vector3d acceleration;  // dv^n/dt, of the components in n [m/s2]
-    Eigen::Matrix3d C_bn;          // body (right, forward, up) to n (east, north, up)
-    Eigen::Vector3d omega_nb_b;    // w_nb^b, body relative to n [rad/s]
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      // v^n, relative to the Earth [m/s]
+    Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // dv^n/dt, of the components in n [m/s2]
+    Eigen::Matrix3d C_bn = Eigen::Matrix3d::Identity();    // body (right, forward, up) to n (east, north, up)
+    Eigen::Vector3d omega_nb_b = Eigen::Vector3d::Zero();  // w_nb^b, body relative to n [rad/s]
 
     template <class Archive>
     void serialize(Archive& archive) {

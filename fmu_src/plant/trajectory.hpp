@@ -25,9 +25,10 @@ class Trajectory {
 
     // What is integrated, at one instant.
     struct Rates {
-        Eigen::Vector3d omega_ib_b;     // [rad/s]
-        Eigen::Vector3d f_b;            // [m/s2]
-        Eigen::Vector3d position_rate;  // latitude, longitude, height [rad/s, rad/s, m/s]
+        Eigen::Vector3d omega_ib_b = Eigen::Vector3d::Zero();  // [rad/s]
+        Eigen::Vector3d f_b = Eigen::Vector3d::Zero();         // [m/s2]
+        Eigen::Vector3d position_rate =
+            Eigen::Vector3d::Zero();  // latitude, longitude, height [rad/s, rad/s, m/s]
 
         template <class Archive>
         void serialize(Archive& archive) {
