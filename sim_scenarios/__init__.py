@@ -7,6 +7,8 @@ Whatever the command `truenorth` does is one function call here::
     run = sim_scenarios.run("swaying_ship", seed=7, set={"prior.heading_sigma": "20 deg"})
     print(sim_scenarios.judge(run))
     run["heading_error"].plot()
+
+and `sim_scenarios.report.report_run(run, folder)` writes the page with the pictures.
 """
 
 from sim_scenarios.errors import InputError, SimulationError

@@ -34,10 +34,12 @@ STANDARD_GRAVITY = 9.80665  # m/s2
 
 # WGS-84 (NIMA TR8350.2)
 SEMI_MAJOR_AXIS = 6378137.0  # m
-ECCENTRICITY_2 = 6.69437999014e-3
+FLATTENING = 1 / 298.257223563
+ECCENTRICITY_2 = FLATTENING * (2 - FLATTENING)
 EARTH_RATE = 7.292115e-5  # rad/s
 EQUATORIAL_GRAVITY = 9.7803253359  # m/s2
 SOMIGLIANA = 1.931852652458e-3
+CENTRIFUGAL_RATIO = 3.449786506841e-3  # w^2 a^2 b / GM
 
 ATTITUDE, VELOCITY, GYRO_BIAS, ACCELEROMETER_BIAS = (slice(i, i + 3) for i in (0, 3, 6, 9))
 STATES = 12
@@ -164,10 +166,12 @@ def earth_rate(latitude: Array) -> Array:
 
 
 def gravity(latitude: Array, height: Array) -> Array:
-    """Magnitude of normal gravity [m/s2]: Somigliana, and the free-air gradient in height."""
+    """Magnitude of normal gravity [m/s2]: Somigliana, expanded in height (NIMA TR8350.2, eq. 4-3)."""
     sin2 = np.sin(latitude) ** 2
     on_ellipsoid = EQUATORIAL_GRAVITY * (1 + SOMIGLIANA * sin2) / np.sqrt(1 - ECCENTRICITY_2 * sin2)
-    result: Array = on_ellipsoid * (1 - 2 * height / SEMI_MAJOR_AXIS)
+    ratio = height / SEMI_MAJOR_AXIS
+    slope = 2 * (1 + FLATTENING + CENTRIFUGAL_RATIO - 2 * FLATTENING * sin2)
+    result: Array = on_ellipsoid * (1 - slope * ratio + 3 * ratio**2)
     return result
 
 

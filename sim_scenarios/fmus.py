@@ -7,6 +7,7 @@ Units, their display units and their factors are those of the FMU's own modelDes
 from __future__ import annotations
 
 import difflib
+import math
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -36,6 +37,8 @@ class Unit:
     def to_si(self, given: object) -> float:
         """Value in the FMU's unit of a number in that unit, or of a text such as "10 deg"."""
         if isinstance(given, (int, float)) and not isinstance(given, bool):
+            if not math.isfinite(given):
+                raise InputError(f"'{given}' is not a finite number")
             return float(given)
         number, unit = _split_quantity(given)
         if unit in ("", self.name):

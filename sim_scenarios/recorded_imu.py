@@ -145,7 +145,7 @@ def read_recording(path: Path) -> pd.DataFrame:
             raise InputError(
                 f"{path}: there is no column {column}{did_you_mean(column, list(table.columns))}"
             )
-        if not np.issubdtype(table[column].dtype, np.number):
+        if not pd.api.types.is_numeric_dtype(table[column]):
             raise InputError(f"{path}: column {column} holds something that is not a number")
     if len(table) < 2:
         raise InputError(f"{path}: has {len(table)} samples; an alignment needs many")

@@ -17,11 +17,13 @@ import jinja2
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from sim_scenarios import plots
 from sim_scenarios.bounds import ARCMIN, DEGREE
 from sim_scenarios.metrics import Verdict, judge
 
+Array = NDArray[np.float64]
 Draw = Callable[[xr.Dataset], Figure]
 
 RUN: Mapping[str, tuple[Draw, str]] = {
@@ -189,33 +191,33 @@ def comparison_table(verdicts: Mapping[str, Verdict]) -> list[list[str]]:
     return rows
 
 
-def bound_table(data: xr.Dataset, points: int = 11) -> list[list[str]]:
-    """Sigma of the heading at evenly spaced times, the heading first."""
+def bound_table(data: xr.Dataset) -> list[list[str]]:
+    """Sigma of the heading at round times, the heading of the table first."""
     time, sigma = data["bound_time"].values, data["bound.heading_sigma"].values
-    index = np.linspace(0, len(time) - 1, min(points, len(time))).round().astype(int)
-    return [
-        ["time [s]", "sigma of the heading [arcmin]"],
-        *([f"{time[i]:.0f}", f"{sigma[i] / ARCMIN:.2f}"] for i in index),
-    ]
+    rows = [[f"{time[i]:g}", f"{sigma[i] / ARCMIN:.2f}"] for i in _at_round_times(time)]
+    return [["time [s]", "sigma of the heading [arcmin]"], *rows]
 
 
-def heading_table(run: xr.Dataset, points: int = 11) -> list[list[str]]:
-    """Heading at evenly spaced times, the heading of the table first."""
+def heading_table(run: xr.Dataset) -> list[list[str]]:
+    """Heading at round times, the heading of the table first."""
     time = run["time"].values
-    index = np.linspace(0, len(time) - 1, min(points, len(time))).round().astype(int)
-    names = run["status"].attrs["flag_meanings"].split()
-    return [
-        ["time [s]", "heading [deg]", "sigma [deg]", "status"],
-        *(
-            [
-                f"{time[i]:.0f}",
-                f"{run['nav.heading'].values[i] / DEGREE:.3f}",
-                f"{run['heading_sigma'].values[i] / DEGREE:.3f}",
-                names[int(run["status"].values[i]) - 1],
-            ]
-            for i in index
-        ),
+    heading, sigma = run["nav.heading"].values / DEGREE, run["heading_sigma"].values / DEGREE
+    status, names = run["status"].values, run["status"].attrs["flag_meanings"].split()
+    rows = [
+        [f"{time[i]:g}", f"{heading[i]:.3f}", f"{sigma[i]:.3f}", names[int(status[i]) - 1]]
+        for i in _at_round_times(time)
     ]
+    return [["time [s]", "heading [deg]", "sigma [deg]", "status"], *rows]
+
+
+def _at_round_times(time: Array, most: int = 12) -> list[int]:
+    """Indices of at most a dozen samples at multiples of a round interval, and of the last one."""
+    span = float(time[-1] - time[0])
+    interval = next(
+        (s for s in (1, 2, 5, 10, 20, 30, 60, 120, 300, 600) if span / s <= most - 1), span / most
+    )
+    index = np.searchsorted(time, np.arange(time[0], time[-1], interval) - 1e-6)
+    return [*index.tolist(), len(time) - 1]
 
 
 def _write(data: xr.Dataset, drawings: Mapping[str, tuple[Draw, str]], page: Page, folder: Path) -> Path:

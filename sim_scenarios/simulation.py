@@ -260,12 +260,15 @@ def _whole(span: float, step: float, name: str) -> int:
 
 
 def _trajectory(time: Array, truth: Mapping[str, Array]) -> Trajectory:
+    """True motion; a Jacobi master has the samples of the start twice, of which one counts."""
+    new = np.concatenate(([True], np.diff(time) > 0))
+    column = {name: truth[name][new] for name in TRUTH}
     return Trajectory(
-        time=time,
-        C_bn=attitude.dcm(truth["truth.roll"], truth["truth.pitch"], truth["truth.heading"]),
-        velocity=np.column_stack([truth[f"truth.velocity[{i}]"] for i in (1, 2, 3)]),
-        latitude=truth["truth.latitude"],
-        height=truth["truth.height"],
+        time=time[new],
+        C_bn=attitude.dcm(column["truth.roll"], column["truth.pitch"], column["truth.heading"]),
+        velocity=np.column_stack([column[f"truth.velocity[{i}]"] for i in (1, 2, 3)]),
+        latitude=column["truth.latitude"],
+        height=column["truth.height"],
     )
 
 

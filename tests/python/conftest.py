@@ -1,0 +1,33 @@
+"""The FMUs, and short runs of them, shared by the tests."""
+
+from __future__ import annotations
+
+import pytest
+import xarray as xr
+
+import sim_scenarios
+from sim_scenarios.errors import InputError
+from sim_scenarios.scenario import Fmus
+
+SHORT = {"duration": 60.0, "evaluation.start": 30.0}
+
+
+@pytest.fixture(scope="session")
+def fmus() -> Fmus:
+    """Both FMUs; tests that need them fail without them."""
+    try:
+        return Fmus.load()
+    except InputError as error:
+        pytest.fail(str(error), pytrace=False)
+
+
+@pytest.fixture(scope="session")
+def ship(fmus: Fmus) -> xr.Dataset:
+    """The whole swaying ship."""
+    return sim_scenarios.run("swaying_ship", seed=11, fmus=fmus)
+
+
+@pytest.fixture(scope="session")
+def outliers(fmus: Fmus) -> xr.Dataset:
+    """A comparison in which fixes are rejected."""
+    return sim_scenarios.compare("gnss_outliers", seed=12, set={"duration": 400.0}, fmus=fmus)

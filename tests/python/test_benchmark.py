@@ -1,0 +1,26 @@
+"""The benchmark: every part of a run is counted, and nothing twice."""
+
+import time
+
+import pytest
+
+from sim_scenarios.benchmark import Clock, shares
+from sim_scenarios.scenario import Fmus
+
+
+def test_clock_adds_up() -> None:
+    clock = Clock()
+    sleep = clock.timed("sleep", time.sleep)
+    for _ in range(3):
+        sleep(0.01)
+    assert clock.spent["sleep"] == pytest.approx(0.03, rel=0.5)
+    assert clock.timed("sum", sum)([1, 2]) == 3
+
+
+def test_shares_of_a_run(fmus: Fmus) -> None:
+    start = time.perf_counter()
+    parts = shares("swaying_ship", fmus)
+    elapsed = time.perf_counter() - start
+    assert set(parts) == {"plant step", "filter step", "get and set", "loop and recording"}
+    assert all(spent > 0 for spent in parts.values())
+    assert sum(parts.values()) < elapsed

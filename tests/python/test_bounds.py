@@ -1,0 +1,173 @@
+"""The Cramer-Rao bound against its table and against an error model written by others."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import trajectories
+from pyins.error_model import InsErrorModel
+from scipy.linalg import block_diag
+
+from sim_scenarios.attitude import wrap
+from sim_scenarios.bounds import ARCMIN, DEGREE, Knowledge, Trajectory, cramer_rao, gravity
+from sim_scenarios.errors import InputError
+from sim_scenarios.simulation import bound
+
+TIME = np.arange(6001) / 10
+WINDOW = (300.0, 600.0)
+
+GNSS = [(0.1, 1), (0.05, 1), (0.02, 1), (0.1, 10), (0.02, 10)]  # sigma [m/s], rate [Hz]
+MOTIONS = {
+    "static": {"sway": False, "speed": 0.0},
+    "steady": {},
+    "waves": {"waves": True},
+    "turn": {"turns": [(150, 60, 90)]},
+    "zigzag 20": {"turns": trajectories.zigzag(20)},
+    "zigzag 45": {"turns": trajectories.zigzag(45)},
+}
+# RMS of the heading sigma over 300 to 600 s [arcmin]
+TABLE = {
+    "static": (15.21, 14.63, 14.42, 14.50, 14.34),
+    "steady": (15.11, 14.51, 14.23, 14.34, 14.09),
+    "waves": (13.72, 10.86, 5.98, 8.42, 2.09),
+    "turn": (5.50, 3.13, 1.79, 2.30, 1.16),
+    "zigzag 20": (5.53, 3.19, 1.76, 2.30, 1.07),
+    "zigzag 45": (2.80, 1.58, 0.88, 1.15, 0.54),
+}
+CELLS = [
+    (motion, *gnss, figure) for motion, row in TABLE.items() for gnss, figure in zip(GNSS, row, strict=True)
+]
+
+
+@pytest.mark.parametrize(("motion", "sigma", "rate", "figure"), CELLS)
+def test_reproduces_the_table(motion: str, sigma: float, rate: float, figure: float) -> None:
+    trajectory = trajectories.ship(TIME, **MOTIONS[motion])
+    result = cramer_rao(trajectory, Knowledge(gnss_velocity_sigma=sigma, gnss_rate=rate))
+    assert result.heading_rms(*WINDOW) / ARCMIN == pytest.approx(figure, rel=0.03)
+
+
+@pytest.mark.parametrize("scenario", ["swaying_ship", "waves", "turn", "zigzag"])
+def test_plant_and_closed_form_agree(scenario: str, fmus) -> None:
+    motion = {"swaying_ship": "steady", "zigzag": "zigzag 20"}.get(scenario, scenario)
+    closed_form = cramer_rao(trajectories.ship(TIME, **MOTIONS[motion]), Knowledge())
+    plant = bound(scenario, fmus=fmus).attrs["bound.heading_rms"]
+    assert plant == pytest.approx(closed_form.heading_rms(*WINDOW), rel=0.005)
+
+
+@pytest.mark.parametrize("motion", ["steady", "waves", "zigzag 20"])
+def test_agrees_with_the_error_model_of_pyins(motion: str) -> None:
+    trajectory = trajectories.ship(TIME, **MOTIONS[motion])
+    expected = heading_sigma_by_pyins(trajectory, Knowledge())
+    late = TIME[::10] >= WINDOW[0]
+    np.testing.assert_allclose(
+        cramer_rao(trajectory, Knowledge()).heading_sigma[late], expected[late], rtol=0.01
+    )
+
+
+def heading_sigma_by_pyins(trajectory: Trajectory, k: Knowledge) -> np.ndarray:
+    """Heading sigma after each fix, from the modified phi-angle model in NED with position states.
+
+    pyins: n = NED, b = forward-right-down, degrees; states position, velocity, phi, and both biases.
+    """
+    to_ned = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1.0]])
+    C = to_ned @ trajectory.C_bn @ to_ned
+    pva = pd.DataFrame(
+        {
+            "lat": np.rad2deg(trajectory.latitude),
+            "lon": 0.0,
+            "alt": trajectory.height,
+            **dict(zip(("VN", "VE", "VD"), (trajectory.velocity @ to_ned).T, strict=True)),
+            "roll": np.rad2deg(np.arctan2(C[:, 2, 1], C[:, 2, 2])),
+            "pitch": np.rad2deg(-np.arcsin(C[:, 2, 0])),
+            "heading": np.rad2deg(np.arctan2(C[:, 1, 0], C[:, 0, 0])),
+        }
+    )
+    model = InsErrorModel()
+    F9, B_gyro, B_accel = model.system_matrices(pva)
+    output = model.transform_to_output(pva)  # position, velocity, roll-pitch-heading [deg]
+    F = np.zeros((len(pva), 15, 15))
+    F[:, :9, :9], F[:, :9, 9:12], F[:, :9, 12:] = F9, B_gyro, B_accel
+    B = np.concatenate((B_gyro, B_accel), axis=2)
+    noise = np.diag([k.angle_random_walk**2] * 3 + [k.velocity_random_walk**2] * 3)
+
+    angles = np.rad2deg([k.tilt_sigma, k.tilt_sigma, k.heading_sigma])
+    sigmas = np.concatenate(([0.01] * 3, [k.velocity_sigma] * 3, angles))
+    to_states = np.linalg.inv(output[0])
+    P = block_diag(
+        to_states @ np.diag(np.square(sigmas)) @ to_states.T,
+        k.gyro_bias_sigma**2 * np.eye(3),
+        k.accelerometer_bias_sigma**2 * np.eye(3),
+    )
+    result = [k.heading_sigma]
+    for i in range(1, len(pva)):
+        dt = trajectory.time[i] - trajectory.time[i - 1]
+        mean = (F[i] + F[i - 1]) / 2 * dt
+        Phi = np.eye(15) + mean + mean @ mean / 2
+        Q = np.zeros((15, 15))
+        Q[:9, :9] = B[i] @ noise @ B[i].T * dt
+        P = Phi @ P @ Phi.T + Q
+        if i % 10 == 0:
+            H = np.zeros((3, 15))
+            H[:, :9] = output[i, 3:6]
+            information = np.linalg.inv(P) + H.T @ H / k.gnss_velocity_sigma**2
+            P = np.linalg.inv(information)
+            P = (P + P.T) / 2
+            heading = output[i, 8]
+            result.append(np.deg2rad(np.sqrt(heading @ P[:9, :9] @ heading)))
+    return np.array(result)
+
+
+def test_more_knowledge_never_hurts() -> None:
+    trajectory = trajectories.ship(TIME[:3001], waves=True)
+    coarse = cramer_rao(trajectory, Knowledge()).heading_sigma
+    for better in (
+        Knowledge(gnss_velocity_sigma=0.05),
+        Knowledge(heading_sigma=5 * DEGREE),
+        Knowledge(angle_random_walk=0.0),
+        Knowledge(gyro_bias_sigma=1e-8),
+    ):
+        assert np.all(cramer_rao(trajectory, better).heading_sigma <= coarse * (1 + 1e-9))
+
+
+def test_without_motion_the_east_gyro_bias_limits_the_heading() -> None:
+    trajectory = trajectories.ship(TIME, sway=False, speed=0.0)
+    nearly_perfect = Knowledge(
+        gnss_velocity_sigma=1e-3,
+        angle_random_walk=0.0,
+        velocity_random_walk=1e-9,
+        accelerometer_bias_sigma=1e-6,
+    )
+    limit = nearly_perfect.gyro_bias_sigma / (7.292115e-5 * np.cos(32 * DEGREE))
+    assert cramer_rao(trajectory, nearly_perfect).heading_sigma[-1] == pytest.approx(limit, rel=0.01)
+
+
+def test_starts_from_the_prior() -> None:
+    result = cramer_rao(trajectories.ship(TIME[:101]), Knowledge())
+    np.testing.assert_allclose(result.sigma[0, :3], np.array([1, 1, 10]) * DEGREE)
+    assert result.time[0] == 0
+    assert result.time[1] == pytest.approx(1)
+
+
+def test_gravity_of_the_ellipsoid() -> None:
+    # NIMA TR8350.2: at the equator, at the pole, and 1000 m above the equator
+    latitude = np.array([0.0, np.pi / 2, 0.0])
+    expected = [9.7803253359, 9.8321849378, 9.7803253359 - 3.0877e-3]
+    np.testing.assert_allclose(gravity(latitude, np.array([0.0, 0.0, 1000.0])), expected, atol=1e-6)
+
+
+def test_refuses_what_it_cannot_use() -> None:
+    trajectory = trajectories.ship(TIME[:101])
+    with pytest.raises(InputError, match="needs GNSS"):
+        cramer_rao(trajectory, Knowledge(gnss_velocity_sigma=(0.1, 0.0, 0.1)))
+    with pytest.raises(InputError, match="no fix between 300 s and 600 s"):
+        cramer_rao(trajectory, Knowledge()).heading_rms(300, 600)
+    with pytest.raises(ValueError, match="must increase"):
+        cramer_rao(trajectories.ship(np.zeros(3)), Knowledge())
+
+
+def test_trajectory_of_the_tests_turns_its_bow() -> None:
+    """The closed form that the table rests on: heading follows the course, clockwise."""
+    trajectory = trajectories.ship(TIME, sway=False, turns=[(150, 60, 90)])
+    bow = trajectory.C_bn[:, :, 1]
+    heading = np.arctan2(bow[:, 0], bow[:, 1])
+    np.testing.assert_allclose(wrap(heading[[0, -1]]) / DEGREE, [0, 90], atol=1e-9)
+    np.testing.assert_allclose(trajectory.velocity[-1], [10, 0, 0], atol=1e-9)

@@ -1,0 +1,198 @@
+"""Scenario files: what is accepted, what is refused and how."""
+
+from pathlib import Path
+
+import pytest
+
+from sim_scenarios.bounds import DEGREE
+from sim_scenarios.errors import InputError
+from sim_scenarios.scenario import Fmus, load_scenario, shipped, toml_value
+
+SHIPPED = {
+    "swaying_ship",
+    "swaying_ship_printed",
+    "waves",
+    "zigzag",
+    "turn",
+    "overconfident_prior",
+    "gnss_outliers",
+    "parked_vehicle",
+}
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "mine.toml"
+    path.write_text(f'description = "mine"\n{text}', encoding="utf-8")
+    return path
+
+
+def test_all_scenarios_are_shipped_and_described() -> None:
+    assert set(shipped()) == SHIPPED
+    assert all(len(description) > 30 for description in shipped().values())
+
+
+@pytest.mark.parametrize("name", sorted(SHIPPED))
+def test_shipped_scenarios_are_valid(name: str, fmus: Fmus) -> None:
+    scenario = load_scenario(name, fmus)
+    assert scenario.name == name
+    assert len(scenario.filters()) >= 2
+
+
+def test_the_comparison_with_zhou_says_what_holds(fmus: Fmus) -> None:
+    notes = load_scenario("swaying_ship_printed", fmus).notes.replace("\n", " ")
+    assert "16.9' is near the optimum for the printed conditions" in notes
+    assert "4.3' cannot be a statistic of them" in notes
+
+
+def test_units_names_and_broadcasting(tmp_path: Path, fmus: Fmus) -> None:
+    path = written(
+        tmp_path,
+        """
+        duration = 400.0
+        [initial_error]
+        misalignment = ["30 arcmin", 0.1, "60 deg"]
+        [plant]
+        imu.gyro.bias = "0.1 deg/h"
+        motion.kind = "parked_vehicle"
+        [filter]
+        corrector = "h_infinity"
+        [compare."A"]
+        robust.gamma = 3.0
+        """,
+    )
+    scenario = load_scenario(path, fmus)
+    assert scenario.name == "mine"
+    assert scenario.initial_error.misalignment == pytest.approx((0.5 * DEGREE, 0.1, 60 * DEGREE))
+    assert scenario.plant["imu.gyro.bias[3]"] == pytest.approx(0.1 * DEGREE / 3600)
+    assert scenario.plant["motion.kind"] == 2
+    assert scenario.filters() == {"A": {"corrector": 2, "robust.gamma": 3.0}}
+
+
+def test_a_scenario_that_names_no_filters_compares_ekf_ukf_and_robust_ukf(tmp_path: Path, fmus: Fmus) -> None:
+    assert list(load_scenario(written(tmp_path, ""), fmus).compare) == ["EKF", "UKF", "robust UKF"]
+
+
+def test_extending_replaces_entries_and_the_whole_comparison(tmp_path: Path, fmus: Fmus) -> None:
+    path = written(tmp_path, 'extends = "zigzag"\n[plant]\ngnss.rate = 5.0\n[compare."only"]\n')
+    scenario, base = load_scenario(path, fmus), load_scenario("zigzag", fmus)
+    assert scenario.plant == {**base.plant, "gnss.rate": 5.0}
+    assert scenario.filter == base.filter
+    assert list(scenario.compare) == ["only"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("duratoin = 3.0", "mine.toml: duratoin: there is no such entry; did you mean 'duration'"),
+        (
+            "[evaluation]\nstrat = 3",
+            "mine.toml: evaluation.strat: there is no such entry; did you mean 'start'",
+        ),
+        (
+            "[plant]\nmotion.turn.angel = 3",
+            "mine.toml: plant: .*'motion.turn.angel'; did you mean 'motion.turn.angle'",
+        ),
+        (
+            "[filter]\npredictor = 'unscentd'",
+            "mine.toml: filter: predictor: 'unscentd' is none of .*'unscented'",
+        ),
+        (
+            '[filter]\nprior.heading_sigma = "1 mg"',
+            "prior.heading_sigma: '1 mg' is not in a unit .* rad, deg",
+        ),
+        ("[filter]\nimu.rate = 100.0", "AlignmentFilter has no parameter 'imu.rate'"),
+        ("[compare.'UKF']\ncorector = 1", "mine.toml: compare.UKF: .*'corector'; did you mean 'corrector'"),
+        (
+            "[initial_error]\nmisalignment = ['1 deg', '2 m', 0]",
+            r"initial_error.misalignment.1: '2 m' is not",
+        ),
+        ("duration = 'long'", "mine.toml: duration: 'long' is neither a number nor"),
+        ("duration = 100.0", "evaluation.start = 300: must be below duration"),
+        ("communication_step = 0.0", "communication_step = 0 s: must be greater than 0"),
+        ("[evaluation]\nstart = 500.0\nstop = 400.0", "evaluation.start must be .* before evaluation.stop"),
+        ("plant = 3", "mine.toml: plant: '3' is not a table"),
+        ("plant = [", "mine.toml: not valid TOML"),
+        ('extends = "zigzig"', "mine.toml: extends: there is no scenario 'zigzig'; did you mean 'zigzag'"),
+    ],
+)
+def test_errors_name_file_and_key(tmp_path: Path, fmus: Fmus, text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        load_scenario(written(tmp_path, text), fmus)
+
+
+def test_a_circle_of_scenarios_is_refused(tmp_path: Path, fmus: Fmus) -> None:
+    path = written(tmp_path, f'extends = "{tmp_path}/mine.toml"')
+    with pytest.raises(InputError, match="extends this file in turn"):
+        load_scenario(path, fmus)
+
+
+def test_a_description_is_required(tmp_path: Path, fmus: Fmus) -> None:
+    path = tmp_path / "mute.toml"
+    path.touch()
+    with pytest.raises(InputError, match=r"mute.toml: description: field required"):
+        load_scenario(path, fmus)
+
+
+def test_settings_override_file_and_every_filter(fmus: Fmus) -> None:
+    scenario = load_scenario(
+        "swaying_ship",
+        fmus,
+        seed=9,
+        settings={
+            "imu.gyro.bias[1]": "0.1 deg/h",
+            "filter.interval": 0.5,
+            "robust.scaling": "printed",
+            "plant.gnss.lever_arm": [0, 0, 5],
+            "duration": 900,
+            "evaluation.stop": 900,
+        },
+    )
+    assert scenario.plant["seed"] == 9
+    assert scenario.plant["imu.gyro.bias[1]"] == pytest.approx(0.1 * DEGREE / 3600)
+    assert scenario.plant["gnss.lever_arm[3]"] == 5
+    assert "gnss.lever_arm[3]" not in scenario.filter
+    assert (scenario.duration, scenario.evaluation.stop, scenario.evaluation.start) == (900, 900, 300)
+    for values in (scenario.filter, *scenario.filters().values()):
+        assert values["filter.interval"] == 0.5
+        assert values["robust.scaling"] == 1
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (
+            {"gnss.lever_arm": 1.0},
+            "both FMUs have a parameter gnss.lever_arm; say plant.gnss.lever_arm or filter",
+        ),
+        ({"robust.gama": 2.0}, "the setting robust.gama: .*did you mean 'robust.gamma'"),
+        ({"plant.robust.gamma": 2.0}, "TruthPlant has no parameter 'robust.gamma'"),
+        ({"robust.gamma": "2 deg"}, "robust.gamma: '2 deg' is not in a unit"),
+        ({"duration": -1.0}, "duration = -1 s"),
+        ({"evaluation.begin": 1.0}, "evaluation.begin: there is no such entry"),
+    ],
+)
+def test_bad_settings_are_refused(fmus: Fmus, settings: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        load_scenario("swaying_ship", fmus, settings=settings)
+
+
+def test_a_wrong_name_is_answered_with_the_right_one(fmus: Fmus) -> None:
+    with pytest.raises(InputError, match="'swaying_shp'; did you mean 'swaying_ship'"):
+        load_scenario("swaying_shp", fmus)
+    with pytest.raises(InputError, match=r"there is no scenario file nowhere/x.toml"):
+        load_scenario("nowhere/x.toml", fmus)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("2", 2),
+        ("2.5", 2.5),
+        ("true", True),
+        ("10 deg", "10 deg"),
+        ("[1, 2]", [1, 2]),
+        ("h_infinity", "h_infinity"),
+    ],
+)
+def test_values_on_the_command_line(text: str, value: object) -> None:
+    assert toml_value(text) == value
