@@ -213,7 +213,7 @@ def corrections(run: xr.Dataset) -> Figure:
     with _figure(rows=3, height=6.4, sharex=True) as (figure, (weights, gamma, status)):
         for i, name in enumerate(("east", "north", "up")[: run.sizes[run["measurement_weight"].dims[-1]]]):
             values = run["measurement_weight"].values[:, i]
-            weights.plot(time, values, ".x+"[i], ms=(4, 5, 5)[i], color=FILTERS[i], label=name)
+            weights.step(time, values, ("-", "--", ":")[i], where="mid", lw=1.2, color=FILTERS[i], label=name)
         weights.set_ylim(-0.08, 1.12)
         weights.set_ylabel("weight")
         weights.set_title("What the corrector did with each fix")

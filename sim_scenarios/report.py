@@ -194,7 +194,7 @@ def comparison_table(verdicts: Mapping[str, Verdict]) -> list[list[str]]:
 def bound_table(data: xr.Dataset) -> list[list[str]]:
     """Sigma of the heading at round times, the heading of the table first."""
     time, sigma = data["bound_time"].values, data["bound.heading_sigma"].values
-    rows = [[f"{time[i]:g}", f"{sigma[i] / ARCMIN:.2f}"] for i in _at_round_times(time)]
+    rows = [[f"{round(time[i], 3):g}", f"{sigma[i] / ARCMIN:.2f}"] for i in _at_round_times(time)]
     return [["time [s]", "sigma of the heading [arcmin]"], *rows]
 
 
@@ -204,7 +204,7 @@ def heading_table(run: xr.Dataset) -> list[list[str]]:
     heading, sigma = run["nav.heading"].values / DEGREE, run["heading_sigma"].values / DEGREE
     status, names = run["status"].values, run["status"].attrs["flag_meanings"].split()
     rows = [
-        [f"{time[i]:g}", f"{heading[i]:.3f}", f"{sigma[i]:.3f}", names[int(status[i]) - 1]]
+        [f"{round(time[i], 3):g}", f"{heading[i]:.3f}", f"{sigma[i]:.3f}", names[int(status[i]) - 1]]
         for i in _at_round_times(time)
     ]
     return [["time [s]", "heading [deg]", "sigma [deg]", "status"], *rows]

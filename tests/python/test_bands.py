@@ -1,8 +1,5 @@
 """The Monte-Carlo table: its arithmetic, and that it runs."""
 
-import subprocess
-import sys
-
 import pytest
 
 from sim_scenarios.bands import CHECKS, Check, heading_rmse, rows
@@ -31,12 +28,3 @@ def test_a_run_gives_a_figure_for_each_filter() -> None:
     figures = heading_rmse("overconfident_prior", 1)
     assert set(figures) == {"UKF", "robust UKF, heading only", "UKF, honest prior"}
     assert all(0 < figure < 120 for figure in figures.values())
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("fmus")
-def test_all_bands_hold() -> None:
-    result = subprocess.run(
-        [sys.executable, "-m", "sim_scenarios.bands", "-n", "50"], capture_output=True, text=True, check=False
-    )
-    assert result.returncode == 0, result.stdout + result.stderr
