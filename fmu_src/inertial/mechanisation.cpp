@@ -21,7 +21,9 @@ void Mechanisation::advance(const ImuIncrement& increment) {
     const Eigen::Vector3d coning = weight * previous_.delta_angle.cross(angle);
     const Eigen::Vector3d sculling =
         weight * (previous_.delta_angle.cross(velocity_increment) + previous_.delta_velocity.cross(angle));
-    const Eigen::Vector3d rotation_compensation = 0.5 * angle.cross(velocity_increment);
+    // To second order in the angle: the first alone leaves 1e-3 m/s after ten minutes of sway.
+    const Eigen::Vector3d rotation_compensation =
+        0.5 * angle.cross(velocity_increment) + angle.cross(angle.cross(velocity_increment)) / 6.0;
 
     // Slow quantities at the middle of the interval.
     const Eigen::Vector3d velocity_mid = state.velocity + 0.5 * dt * acceleration_;
