@@ -77,20 +77,21 @@ class Instance:
         self.fmu = fmu
         self.label = label
         self.messages: list[Message] = []
-        self._slave = fmpy.fmi2.FMU2Slave(
-            guid=fmu.model.guid,
-            modelIdentifier=fmu.model.coSimulation.modelIdentifier,
-            unzipDirectory=str(fmu.folder),
-            instanceName=label,
-        )
         self._environment = _logger.register(self.messages)
         try:
+            self._slave = fmpy.fmi2.FMU2Slave(
+                guid=fmu.guid,
+                modelIdentifier=fmu.model.coSimulation.modelIdentifier,
+                unzipDirectory=str(fmu.folder),
+                instanceName=label,
+            )
             self._slave.instantiate(callbacks=_logger.callbacks(self._environment), loggingOn=True)
-            self.component = ctypes.c_void_p(self._slave.component)
-            self.do_step = self._raw("fmi2DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
-            self.set_values(values)
-        except FMICallException as error:
-            raise self.failure(error.function) from None
+        except Exception as error:  # FMPy raises nothing more special
+            _logger.forget(self._environment)
+            raise SimulationError(f"{fmu.path} cannot be instantiated: {error}") from error
+        self.component = ctypes.c_void_p(self._slave.component)
+        self.do_step = self._raw("fmi2DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
+        self.set_values(values)
 
     def set_values(self, values: Mapping[str, Number]) -> None:
         """Set scalar variables by name."""
@@ -121,12 +122,9 @@ class Instance:
 
     def failure(self, action: str) -> SimulationError:
         """Error that tells what the FMU said last."""
-        said = [m.text for m in self.messages if m.status in ("error", "fatal")] or [
-            m.text for m in self.messages
-        ]
-        return SimulationError(
-            f"{self.label} ({self.fmu.name}) failed in {action}: {said[-1] if said else 'no reason given'}"
-        )
+        said = [m.text for m in self.messages if m.status in ("error", "fatal")]
+        reason = said[-1] if said else "it gives no reason"
+        return SimulationError(f"{self.label} ({self.fmu.name}) failed in {action}: {reason}")
 
     def accessor(self, access: str) -> Callable[..., int]:
         """Raw function such as fmi2GetReal(component, references, count, values)."""

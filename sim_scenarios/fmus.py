@@ -122,7 +122,10 @@ class Fmu:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.model: ModelDescription = fmpy.read_model_description(str(path), validate=False)
+        try:
+            self.model: ModelDescription = fmpy.read_model_description(str(path), validate=False)
+        except Exception as error:  # whatever zip, XML and FMPy raise
+            raise InputError(f"{path} is not an FMU: {error}") from error
         self.name = str(self.model.modelName)
         units = _units(self.model)
         self.variables = {v.name: _variable(v, units) for v in self.model.modelVariables}

@@ -118,7 +118,8 @@ def bound(
     fmus = fmus or Fmus.load()
     loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
     times = _times(loaded.duration, loaded.recording_period)
-    with closing(_plant(loaded, fmus)) as plant:
+    with ExitStack() as stack:
+        plant = _plant(loaded, fmus, stack)
         table = Table(Port(plant, TRUTH), len(times))
         source = FmuSource(plant, TRUTH)
         table.append()
@@ -155,7 +156,7 @@ def connect(
     scenario: Scenario, fmus: Fmus, filters: Mapping[str, Mapping[str, Number]], stack: ExitStack
 ) -> tuple[FmuSource, list[Sink]]:
     """Plant and filters, initialised and connected; the stack closes them."""
-    plant = stack.enter_context(closing(_plant(scenario, fmus)))
+    plant = _plant(scenario, fmus, stack)
     source = FmuSource(plant, connected(fmus.plant.outputs(), fmus.filter))
     start = initial_values(scenario, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
     sinks = []
@@ -240,8 +241,8 @@ def knowledge(scenario: Scenario, plant: Fmu) -> Knowledge:
     )
 
 
-def _plant(scenario: Scenario, fmus: Fmus) -> Instance:
-    plant = Instance(fmus.plant, "plant", scenario.plant)
+def _plant(scenario: Scenario, fmus: Fmus, stack: ExitStack) -> Instance:
+    plant = stack.enter_context(closing(Instance(fmus.plant, "plant", scenario.plant)))
     plant.begin_initialisation(0.0, scenario.duration)
     plant.finish_initialisation()
     return plant

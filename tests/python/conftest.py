@@ -9,8 +9,6 @@ import sim_scenarios
 from sim_scenarios.errors import InputError
 from sim_scenarios.scenario import Fmus
 
-SHORT = {"duration": 60.0, "evaluation.start": 30.0}
-
 
 @pytest.fixture(scope="session")
 def fmus() -> Fmus:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import zipfile
 from contextlib import closing
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from sim_scenarios.attitude import wrap
 from sim_scenarios.bounds import ARCMIN, DEGREE
 from sim_scenarios.cosimulation import Instance, Order, connected
 from sim_scenarios.errors import InputError, SimulationError
+from sim_scenarios.fmus import Fmu
 from sim_scenarios.scenario import Fmus, load_scenario
 from sim_scenarios.simulation import initial_values
 
@@ -129,6 +132,16 @@ def test_a_bad_parameter_is_refused_in_the_words_of_the_fmu(fmus: Fmus) -> None:
         sim_scenarios.run("swaying_ship", set={"gnss.rate": -1.0}, fmus=fmus)
     with pytest.raises(SimulationError, match=r"filter \(AlignmentFilter\) failed .*robust.gamma"):
         sim_scenarios.run("swaying_ship", set={"robust.gamma": -1.0}, fmus=fmus)
+
+
+def test_an_fmu_without_a_binary_is_refused(fmus: Fmus, tmp_path: Path) -> None:
+    path = tmp_path / "Empty.fmu"
+    with zipfile.ZipFile(fmus.filter.path) as original, zipfile.ZipFile(path, "w") as copy:
+        copy.writestr("modelDescription.xml", original.read("modelDescription.xml"))
+    with pytest.raises(
+        SimulationError, match=r"Empty.fmu cannot be instantiated: Cannot find shared library"
+    ):
+        Instance(Fmu(path), "empty", {})
 
 
 def test_a_step_that_does_not_fit_is_refused(fmus: Fmus) -> None:

@@ -55,6 +55,12 @@ def test_a_missing_fmu_is_explained() -> None:
         find("Teapot")
 
 
+def test_what_is_no_fmu_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "Broken.fmu").write_bytes(b"PK")
+    with pytest.raises(InputError, match=r"Broken.fmu is not an FMU"):
+        Fmu(tmp_path / "Broken.fmu")
+
+
 def test_quantities_of_the_fmus(fmus: Fmus) -> None:
     hour = 3600.0
     expected = {
