@@ -7,7 +7,7 @@ constexpr double kTimeTolerance = 1e-6;  // [s]
 }
 
 void AntennaHistory::push(const AntennaState& state) {
-    const bool crowded = size_ >= 2 && state.time - back(1).time < kSpacing;
+    const bool crowded = size_ >= 2 && back(0).time - back(1).time < kSpacing;
     if (!crowded) {
         newest_ = (newest_ + 1) % kCapacity;
         size_ = size_ < kCapacity ? size_ + 1 : kCapacity;
