@@ -1,0 +1,106 @@
+// A vehicle that stands on a turntable: its heading changes at a constant rate (or not at all), and what
+// ideal sensors on it measure has a closed form.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "components/alignment_filter.hpp"
+
+namespace truenorth {
+
+// Keeps every line.
+class Lines : public Log {
+  public:
+    [[nodiscard]] bool listens() const override { return true; }
+    void event(const std::string& text) override { lines.push_back(text); }
+
+    [[nodiscard]] int with(const std::string& part) const {
+        int count = 0;
+        for (const std::string& line : lines) count += line.find(part) != std::string::npos ? 1 : 0;
+        return count;
+    }
+
+    std::vector<std::string> lines;
+};
+
+struct Turntable {
+    double roll = 0.02;    // [rad]
+    double pitch = -0.03;  // [rad]
+    double heading = 0.7;  // at time 0 [rad]
+    double rate = 0.0;     // of the heading [rad/s]
+    earth::Position position{0.56, 2.06, 30.0};
+    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();           // [rad/s]
+    Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  // [m/s2]
+
+    [[nodiscard]] double heading_at(double time) const { return heading + rate * time; }
+
+    [[nodiscard]] NavigationState state_at(double time) const {
+        NavigationState state;
+        state.q_bn = Eigen::Quaterniond(dcm({roll, pitch, heading_at(time)}));
+        state.position = position;
+        return state;
+    }
+
+    // C_bn = Rz(-heading) T: integrals of Rz(heading) w_ie, then T^T.
+    [[nodiscard]] ImuIncrement increment(double from, double to) const {
+        const double dt = to - from;
+        const Eigen::Matrix3d T = dcm({roll, pitch, 0.0});
+        const Eigen::Vector3d w = earth::rate(position.latitude);
+        const double a = heading_at(from);
+        const double b = heading_at(to);
+        const double sine = rate == 0.0 ? dt * std::sin(a) : (std::cos(a) - std::cos(b)) / rate;
+        const double cosine = rate == 0.0 ? dt * std::cos(a) : (std::sin(b) - std::sin(a)) / rate;
+        const Eigen::Vector3d turned(-w.y() * sine, w.y() * cosine, (w.z() - rate) * dt);
+        const Eigen::Vector3d up(0.0, 0.0, earth::gravity(position.latitude, position.height) * dt);
+        return {dt, T.transpose() * turned + gyro_bias * dt, T.transpose() * up + accelerometer_bias * dt};
+    }
+
+    [[nodiscard]] GnssFix fix(double time, const Eigen::Vector3d& lever_arm = Eigen::Vector3d::Zero()) const {
+        const NavigationState state = state_at(time);
+        const Eigen::Vector3d omega_eb_b = state.q_bn.conjugate() * Eigen::Vector3d(0.0, 0.0, -rate);
+        return {time, point_position(state, lever_arm), point_velocity(state, omega_eb_b, lever_arm)};
+    }
+};
+
+// An AlignmentFilter fed by hand.
+class FedFilter {
+  public:
+    FedFilter() = default;
+
+    void start(const Turntable& table, double heading_error) {
+        auto& initial = filter.parameters.initial;
+        initial.roll = table.roll;
+        initial.pitch = table.pitch;
+        initial.heading = table.heading + heading_error;
+        initial.latitude = table.position.latitude;
+        initial.longitude = table.position.longitude;
+        initial.height = table.position.height;
+        filter.initialise(0.0);
+    }
+
+    void put_sample(double time, const ImuIncrement& increment) {
+        auto& port = filter.inputs.imu;
+        ++port.sample;
+        port.time = time;
+        port.delta_angle = increment.delta_angle;
+        port.delta_velocity = increment.delta_velocity;
+    }
+    void put_fix(const GnssFix& fix) {
+        auto& port = filter.inputs.gnss;
+        ++port.sample;
+        port.time = fix.time;
+        port.latitude = fix.position.latitude;
+        port.longitude = fix.position.longitude;
+        port.height = fix.position.height;
+        port.velocity = fix.velocity;
+    }
+    void step() { filter.step(0.0, 0.0); }
+
+    Lines log;
+    AlignmentFilter filter{log};
+};
+
+}  // namespace truenorth
