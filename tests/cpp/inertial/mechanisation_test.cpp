@@ -199,6 +199,29 @@ TEST(MechanisationUnequalIntervals, FollowRatesThatAreLinearInTime) {
     }
 }
 
+TEST(Mechanisation, ResolvesAForceThatIsConstantInSpaceWhileTheBodyTurnsSteadily) {
+    // f_b(t) = R(-w t) g: its integral has a closed form by Rodrigues' formula.
+    const Vector3d omega(0.4, -0.3, 0.2);
+    const Vector3d force(0.0, 0.0, 9.8);
+    const double dt = 0.05;
+    const double rate = omega.norm();
+    const Vector3d axis = omega / rate;
+    FreeFall fall;
+    for (int k = 0; k < 20; ++k) {
+        const Vector3d along = axis * axis.dot(force);
+        const Vector3d across = axis.cross(force);
+        const auto integral = [&](double t) {
+            return Vector3d(along * t + (force - along) * std::sin(rate * t) / rate +
+                            across * std::cos(rate * t) / rate);
+        };
+        fall.advance(dt, omega * dt, integral((k + 1) * dt) - integral(k * dt));
+    }
+    // Without the second order of the rotation, g w^2 dt^2 / 6 = 1.2e-3 m/s would be missing. What may remain
+    // is the sculling of the first interval, which has no predecessor, g w^2 dt^3 / 12 = 3e-5 m/s, and 1e-5
+    // m/s of the next order.
+    EXPECT_NEAR(fall.gained().z(), 9.8, 1e-4);
+}
+
 TEST(Mechanisation, StaysWhereItIsOnTheTurningEarth) {
     const Eigen::Matrix3d C_bn = dcm({0.1, -0.2, 2.5});
     Mechanisation mechanisation({.q_bn = Quaterniond(C_bn), .position = kPlace});
