@@ -66,7 +66,7 @@ double heading_error_of(const FedFilter& fed, const Turntable& table) {
     return wrap_angle(nav.heading - table.heading_at(nav.time));
 }
 
-std::string bytes(Outputs outputs) {
+std::string bytes(const Outputs& outputs) {
     std::ostringstream stream;
     cereal::BinaryOutputArchive archive(stream);
     archive(outputs);
@@ -84,7 +84,7 @@ std::string estimate(const FedFilter& fed) {
 TEST(AlignmentFilterHeading, IsFoundFromTenDegreesWithinThreeSigma) {
     for (const double sign : {1.0, -1.0}) {
         FedFilter fed;
-        Session run{.heading_error = sign * 10.0 * kDegree};
+        const Session run{.heading_error = sign * 10.0 * kDegree};
         run.seconds(fed, 600.0);
         const double sigma = fed.filter.outputs.heading_sigma;
         EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 3.0 * sigma);
@@ -132,7 +132,7 @@ TEST(AlignmentFilterHeading, FindsTheSameInEveryWayOfComputing) {
     const auto result = [](const std::function<void(Parameters&)>& change) {
         FedFilter fed;
         change(fed.filter.parameters);
-        Session run;
+        const Session run;
         run.seconds(fed, 300.0);
         return std::pair{heading_error_of(fed, run.table), fed.filter.outputs.heading_sigma};
     };
@@ -146,7 +146,8 @@ TEST(AlignmentFilterHeading, FindsTheSameInEveryWayOfComputing) {
         [](Parameters& p) {
             p.corrector = Corrector::h_infinity;
             p.robust.gamma = 1e6;
-        }};
+        },
+    };
     for (std::size_t i = 0; i < ways.size(); ++i) {
         const auto [other_error, other_sigma] = result(ways[i]);
         EXPECT_LT(std::abs(other_error - error), 0.1 * sigma) << i;
@@ -167,7 +168,9 @@ TEST(AlignmentFilterLatency, OfAFixCostsNoMoreThanTheVelocityThatWasGainedMeanwh
             const double b = 0.3 * (velocity - corrected).norm() * kRate / (kRate - 1.0);
             allowance += std::pow(b / 0.1, 2);
         }
-        if (k % kRate == 0) corrected = velocity;
+        if (k % kRate == 0) {
+            corrected = velocity;
+        }
     };
     FedFilter prompt;
     run.seconds(prompt, 120.9);
@@ -186,7 +189,7 @@ TEST(AlignmentFilterLatency, OfAFixCostsNoMoreThanTheVelocityThatWasGainedMeanwh
 
 TEST(AlignmentFilterLatency, AFixOlderThanTheHistoryIsRejected) {
     FedFilter fed;
-    Session run;
+    const Session run;
     run.seconds(fed, 20.5);
     const std::string before = estimate(fed);
     GnssFix old = run.table.fix(20.1);
@@ -212,7 +215,7 @@ TEST(AlignmentFilterLeverArm, OnATurntableMakesNoDifferenceWhenItIsKnown) {
     const Vector3d lever_arm(3.0, -5.0, 2.0);
     Session with{.lever_arm = lever_arm};
     with.table.rate = 0.2;
-    Session without{.table = with.table};
+    const Session without{.table = with.table};
     FedFilter a;
     a.filter.parameters.gnss.lever_arm = lever_arm;
     with.seconds(a, 200.0);
@@ -241,7 +244,7 @@ TEST(AlignmentFilterLeverArm, ThatIsNotKnownShowsInTheInnovation) {
 
 TEST(AlignmentFilterBadData, OfTheImuLeavesTheEstimateAndIsCountedAndLogged) {
     FedFilter fed;
-    Session run;
+    const Session run;
     run.seconds(fed, 20.5);
     const std::string before = estimate(fed);
     const ImuIncrement good = run.table.increment(0.0, 0.02);
@@ -271,7 +274,9 @@ TEST(AlignmentFilterBadData, OfTheReceiverChangesNothingAtAll) {
     run.seconds(clean, 60.0);
     int sent = 0;
     run.after_step = [&](FedFilter& fed, int k) {
-        if (k % kRate != kRate / 2) return;
+        if (k % kRate != kRate / 2) {
+            return;
+        }
         GnssFix fix = run.table.fix(static_cast<double>(k) / kRate);
         switch (sent++ % 5) {
             case 0:
@@ -303,15 +308,19 @@ TEST(AlignmentFilterBadData, OfTheReceiverChangesNothingAtAll) {
 TEST(AlignmentFilterBadData, OfOneSampleIsBridged) {
     FedFilter clean;
     FedFilter disturbed;
-    Session run;
+    const Session run;
     run.seconds(clean, 60.0);
     run.start(disturbed);
     for (int k = 1; k <= 60 * kRate; ++k) {
         ImuIncrement increment =
             run.table.increment(static_cast<double>(k - 1) / kRate, static_cast<double>(k) / kRate);
-        if (k == 1010) increment.delta_angle.x() = kNaN;
+        if (k == 1010) {
+            increment.delta_angle.x() = kNaN;
+        }
         disturbed.put_sample(static_cast<double>(k) / kRate, increment);
-        if (k % kRate == 0) disturbed.put_fix(run.table.fix(k / kRate));
+        if (k % kRate == 0) {
+            disturbed.put_fix(run.table.fix(static_cast<double>(k) / kRate));
+        }
         disturbed.step();
     }
     EXPECT_EQ(disturbed.filter.outputs.rejected_samples, 1);
@@ -322,10 +331,12 @@ TEST(AlignmentFilterBadData, OfOneSampleIsBridged) {
 
 TEST(AlignmentFilterBadData, AStepWithoutNewDataChangesNothing) {
     FedFilter fed;
-    Session run;
+    const Session run;
     run.seconds(fed, 20.5);
     const std::string before = bytes(fed.filter.outputs);
-    for (int i = 0; i < 10; ++i) fed.step();
+    for (int i = 0; i < 10; ++i) {
+        fed.step();
+    }
     EXPECT_EQ(bytes(fed.filter.outputs), before);
 }
 
@@ -351,7 +362,7 @@ TEST(AlignmentFilterGate, RejectsAnOutlierAndSaysSo) {
 
 TEST(AlignmentFilterReset, RepeatsARunBitByBit) {
     FedFilter fed;
-    Session run;
+    const Session run;
     run.seconds(fed, 30.0);
     const std::string first = bytes(fed.filter.outputs);
     fed.filter.inputs = {};
@@ -361,7 +372,7 @@ TEST(AlignmentFilterReset, RepeatsARunBitByBit) {
 
 TEST(AlignmentFilterSerialised, ContinuesBitByBit) {
     for (const bool feedback : {true, false}) {
-        Session run;
+        const Session run;
         FedFilter whole;
         whole.filter.parameters.feedback = feedback;
         whole.filter.parameters.corrector = Corrector::h_infinity;
@@ -393,8 +404,12 @@ TEST(AlignmentFilterStatus, GoesFromWaitingOverAligningToConvergedAndCoasting) {
     double converged = kNaN;
     run.after_step = [&](FedFilter& f, int) {
         const Outputs& outputs = f.filter.outputs;
-        if (std::isnan(below) && outputs.heading_sigma < 1.0 * kDegree) below = outputs.nav.time;
-        if (std::isnan(converged) && outputs.converged) converged = outputs.nav.time;
+        if (std::isnan(below) && outputs.heading_sigma < 1.0 * kDegree) {
+            below = outputs.nav.time;
+        }
+        if (std::isnan(converged) && outputs.converged) {
+            converged = outputs.nav.time;
+        }
     };
     run.start(fed);
     EXPECT_EQ(fed.filter.outputs.status, Status::waiting);
@@ -427,7 +442,7 @@ TEST(AlignmentFilterRobust, SaysWhenItBacksOffFromAnInfeasibleGamma) {
     parameters.corrector = Corrector::h_infinity;
     parameters.robust.scaling = RobustScaling::printed;
     parameters.robust.gamma = 0.1;  // gamma^2 = 0.01 below the heading variance of (10 deg)^2 = 0.03
-    Session run;
+    const Session run;
     run.seconds(fed, 1.0);
     EXPECT_FALSE(fed.filter.outputs.robust.feasible);
     EXPECT_GT(fed.filter.outputs.robust.gamma_effective, 0.17);
@@ -447,7 +462,7 @@ TEST(AlignmentFilterRobust, StaysFiniteUnderEveryScalingAndGamma) {
                 parameters.robust.scaling = scaling;
                 parameters.robust.states = states;
                 parameters.robust.gamma = gamma;
-                Session run;
+                const Session run;
                 run.seconds(fed, 20.0);
                 EXPECT_NE(fed.filter.outputs.status, Status::faulted) << gamma;
                 EXPECT_TRUE(std::isfinite(fed.filter.outputs.nav.heading)) << gamma;
@@ -497,7 +512,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(AlignmentFilterRetune, TakesATunableParameterOverBetweenSteps) {
     FedFilter fed;
-    Session run;
+    const Session run;
     run.seconds(fed, 10.0);
     fed.filter.parameters.measurement.velocity_sigma = 10.0;
     fed.filter.retune();

@@ -11,14 +11,18 @@ using Eigen::Vector3d;
 
 // Moves north-east so that latitude and velocity are linear in time.
 AntennaState state_at(double time) {
-    return {time, {0.5 + 1e-7 * time, 1.0, 2.0 * time}, {time, -time, 3.0}};
+    return {.time = time,
+            .position = {.latitude = 0.5 + 1e-7 * time, .longitude = 1.0, .height = 2.0 * time},
+            .velocity = {time, -time, 3.0}};
 }
 
 TEST(AntennaHistory, OfNothingHasNothing) { EXPECT_FALSE(AntennaHistory{}.at(0.0)); }
 
 TEST(AntennaHistory, InterpolatesBetweenEntries) {
     AntennaHistory history;
-    for (int k = 0; k <= 10; ++k) history.push(state_at(0.1 * k));
+    for (int k = 0; k <= 10; ++k) {
+        history.push(state_at(0.1 * k));
+    }
     for (const double time : {0.0, 0.05, 0.31, 0.7, 0.999, 1.0}) {
         const auto found = history.at(time);
         ASSERT_TRUE(found) << time;
@@ -30,8 +34,12 @@ TEST(AntennaHistory, InterpolatesBetweenEntries) {
 
 TEST(AntennaHistory, InterpolatesAcrossTheDateLine) {
     AntennaHistory history;
-    history.push({0.0, {0.5, std::numbers::pi - 1e-6, 0.0}, Vector3d::Zero()});
-    history.push({1.0, {0.5, -std::numbers::pi + 1e-6, 0.0}, Vector3d::Zero()});
+    history.push({.time = 0.0,
+                  .position = {.latitude = 0.5, .longitude = std::numbers::pi - 1e-6, .height = 0.0},
+                  .velocity = Vector3d::Zero()});
+    history.push({.time = 1.0,
+                  .position = {.latitude = 0.5, .longitude = -std::numbers::pi + 1e-6, .height = 0.0},
+                  .velocity = Vector3d::Zero()});
     EXPECT_GT(std::abs(history.at(0.5)->position.longitude), std::numbers::pi - 1e-8);
 }
 
@@ -47,7 +55,9 @@ TEST(AntennaHistory, DoesNotExtrapolate) {
 TEST(AntennaHistory, KeepsItsCapacityOfEntries) {
     AntennaHistory history;
     const int count = static_cast<int>(AntennaHistory::kCapacity);
-    for (int k = 0; k < 2 * count; ++k) history.push(state_at(k));
+    for (int k = 0; k < 2 * count; ++k) {
+        history.push(state_at(k));
+    }
     EXPECT_FALSE(history.at(count - 0.5));
     ASSERT_TRUE(history.at(count + 0.5));
     EXPECT_NEAR(history.at(count + 0.5)->velocity.x(), count + 0.5, 1e-9);
@@ -55,7 +65,9 @@ TEST(AntennaHistory, KeepsItsCapacityOfEntries) {
 
 TEST(AntennaHistory, AtOneKilohertzStillReachesBackSeconds) {
     AntennaHistory history;
-    for (int k = 0; k <= 10000; ++k) history.push(state_at(1e-3 * k));
+    for (int k = 0; k <= 10000; ++k) {
+        history.push(state_at(1e-3 * k));
+    }
     for (const double time : {10.0, 9.9995, 9.993, 9.4321, 7.6}) {
         const auto found = history.at(time);
         ASSERT_TRUE(found) << time;
@@ -70,12 +82,16 @@ TEST(AntennaHistory, AtOneHundredHertzKeepsEverySample) {
         state.velocity = Vector3d(k % 2, 0.0, 0.0);  // what interpolation over two samples would hide
         history.push(state);
     }
-    for (int k = 0; k <= 100; ++k) EXPECT_NEAR(history.at(0.01 * k)->velocity.x(), k % 2, 1e-6);
+    for (int k = 0; k <= 100; ++k) {
+        EXPECT_NEAR(history.at(0.01 * k)->velocity.x(), k % 2, 1e-6);
+    }
 }
 
 TEST(AntennaHistory, ShiftMovesEveryEntry) {
     AntennaHistory history;
-    for (int k = 0; k < 5; ++k) history.push(state_at(k));
+    for (int k = 0; k < 5; ++k) {
+        history.push(state_at(k));
+    }
     history.shift({1.0, 2.0, 3.0}, {10.0, 20.0, 30.0});
     for (const double time : {0.0, 1.5, 4.0}) {
         EXPECT_LT((history.at(time)->velocity - state_at(time).velocity - Vector3d(1.0, 2.0, 3.0)).norm(),

@@ -9,7 +9,11 @@ namespace {
 
 using Verdict = GnssInput::Verdict;
 
-GnssFix fix_at(double time) { return {time, {0.5, 2.0, 100.0}, {1.0, 2.0, 0.0}}; }
+GnssFix fix_at(double time) {
+    return {.time = time,
+            .position = {.latitude = 0.5, .longitude = 2.0, .height = 100.0},
+            .velocity = {1.0, 2.0, 0.0}};
+}
 
 TEST(GnssInput, AcceptsAPlausibleFixOnce) {
     GnssInput gnss;
@@ -26,7 +30,8 @@ TEST(GnssInput, RejectsEveryValueThatIsNotFinite) {
             GnssFix fix = fix_at(1.0);
             double* const fields[] = {
                 &fix.time,         &fix.position.latitude, &fix.position.longitude, &fix.position.height,
-                &fix.velocity.x(), &fix.velocity.y(),      &fix.velocity.z()};
+                &fix.velocity.x(), &fix.velocity.y(),      &fix.velocity.z(),
+            };
             *fields[field] = bad;
             GnssInput gnss;
             EXPECT_EQ(gnss.read(1, fix, 10.0), Verdict::not_finite) << field;
@@ -37,7 +42,11 @@ TEST(GnssInput, RejectsEveryValueThatIsNotFinite) {
 TEST(GnssInput, RejectsPlacesAndSpeedsThatAreImpossible) {
     const auto verdict = [](double latitude, double longitude, double height, double speed) {
         GnssInput gnss;
-        return gnss.read(1, {1.0, {latitude, longitude, height}, {speed, 0.0, 0.0}}, 10.0);
+        return gnss.read(1,
+                         {.time = 1.0,
+                          .position = {.latitude = latitude, .longitude = longitude, .height = height},
+                          .velocity = {speed, 0.0, 0.0}},
+                         10.0);
     };
     EXPECT_EQ(verdict(1.5708, 0.0, 0.0, 0.0), Verdict::impossible);  // the pole
     EXPECT_EQ(verdict(-2.0, 0.0, 0.0, 0.0), Verdict::impossible);

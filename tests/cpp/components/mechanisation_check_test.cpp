@@ -28,15 +28,18 @@ struct Worst {
 };
 
 Worst worst_error(const plant::Ship& ship, int rate) {
-    const earth::Position start{32.0 * kDegree, 118.0 * kDegree, 0.0};
+    const earth::Position start{.latitude = 32.0 * kDegree, .longitude = 118.0 * kDegree, .height = 0.0};
     const plant::Trajectory trajectory(ship, start);
     auto truth = trajectory.begin(0.0);
-    Mechanisation mechanisation(
-        {Eigen::Quaterniond(truth.kinematics.C_bn), truth.kinematics.velocity, start});
+    Mechanisation mechanisation({.q_bn = Eigen::Quaterniond(truth.kinematics.C_bn),
+                                 .velocity = truth.kinematics.velocity,
+                                 .position = start});
     Worst worst;
     for (int k = 1; k <= 600 * rate; ++k) {
         const auto increments = trajectory.advance(truth, static_cast<double>(k) / rate);
-        mechanisation.advance({1.0 / rate, increments.delta_angle, increments.delta_velocity});
+        mechanisation.advance({.dt = 1.0 / rate,
+                               .delta_angle = increments.delta_angle,
+                               .delta_velocity = increments.delta_velocity});
         const Eigen::Quaterniond error =
             Eigen::Quaterniond(truth.kinematics.C_bn).conjugate() * mechanisation.state.q_bn;
         worst.attitude = std::max(worst.attitude, rotation_vector(error).norm());
@@ -57,7 +60,7 @@ TEST(MechanisationCheck, HoldsInWavesAndTurns) {
     ship.wave.amplitude.setConstant(0.5);
     ship.wave.frequency = Eigen::Vector3d(7.0, 9.0, 8.0).cwiseInverse();
     ship.wave.phase = {0.0, 1.0, 0.5};
-    ship.turns[0] = {90.0 * kDegree, 150.0, 60.0};
+    ship.turns[0] = {.angle = 90.0 * kDegree, .begin = 150.0, .duration = 60.0};
     const Worst worst = worst_error(ship, 100);
     EXPECT_LT(worst.attitude, 1e-3 * kArcsecond);
     EXPECT_LT(worst.velocity, 1e-5);

@@ -10,12 +10,13 @@ namespace {
 
 TEST(IntervalAverage, OfATurnIsTheMeanOfTheAttitudeNotAnAttitude) {
     // 90 degrees of heading within one second: the mean of cos over the quarter is 2 / pi.
-    Mechanisation mechanisation({.position = {0.5, 0.0, 0.0}});
+    Mechanisation mechanisation({.position = {.latitude = 0.5, .longitude = 0.0, .height = 0.0}});
     IntervalAverage average;
     const double rate = 0.5 * std::numbers::pi;
     for (int k = 0; k < 100; ++k) {
         const NavigationState before = mechanisation.state;
-        mechanisation.advance({0.01, {0.0, 0.0, rate * 0.01}, Eigen::Vector3d::Zero()});
+        mechanisation.advance(
+            {.dt = 0.01, .delta_angle = {0.0, 0.0, rate * 0.01}, .delta_velocity = Eigen::Vector3d::Zero()});
         average.add(before, mechanisation, 0.01);
     }
     EXPECT_NEAR(average.duration(), 1.0, 1e-12);
@@ -28,11 +29,12 @@ TEST(IntervalAverage, OfATurnIsTheMeanOfTheAttitudeNotAnAttitude) {
 }
 
 TEST(IntervalAverage, WeighsIncrementsByTheirDuration) {
-    Mechanisation mechanisation({.position = {0.5, 0.0, 0.0}});
+    Mechanisation mechanisation({.position = {.latitude = 0.5, .longitude = 0.0, .height = 0.0}});
     IntervalAverage average;
     const auto add = [&](double dt, double force) {
         const NavigationState before = mechanisation.state;
-        mechanisation.advance({dt, Eigen::Vector3d::Zero(), {force * dt, 0.0, 0.0}});
+        mechanisation.advance(
+            {.dt = dt, .delta_angle = Eigen::Vector3d::Zero(), .delta_velocity = {force * dt, 0.0, 0.0}});
         average.add(before, mechanisation, dt);
     };
     add(0.01, 1.0);

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <vector>
 
 namespace truenorth {
 namespace {
@@ -63,9 +63,9 @@ class Random {
     Model::Interval interval() {
         Model::Interval interval(IntervalAverage{}, {}, State::Zero());
         const double latitude = (*this)(1.3);
-        const earth::Position position{latitude, 0.0, 100.0};
+        const earth::Position position{.latitude = latitude, .longitude = 0.0, .height = 100.0};
         interval.dt = 1.0;
-        interval.C_bn = dcm({(*this)(0.5), (*this)(0.5), (*this)(3.0)});
+        interval.C_bn = dcm({.roll = (*this)(0.5), .pitch = (*this)(0.5), .heading = (*this)(3.0)});
         interval.force = Vector3d(0.0, 0.0, 9.8) + vector(2.0);
         interval.velocity = vector(100.0);
         interval.omega_ie = {0.0, kRate * std::cos(latitude), kRate * std::sin(latitude)};
@@ -118,7 +118,8 @@ State expected_rate(Form form, const State& x, const Model::Interval& i) {
     });
 }
 
-const std::vector<Form> kForms{Form::transposed, Form::computed_force, Form::vertical_force, Form::printed};
+constexpr std::array<Form, 4> kForms{Form::transposed, Form::computed_force, Form::vertical_force,
+                                     Form::printed};
 
 TEST(LargeAzimuthRate, IsTheTranscriptionOfEveryForm) {
     for (const unsigned seed : {1U, 2024U}) {
@@ -166,7 +167,9 @@ TEST(LargeAzimuthRate, TakesASetOfPointsAsItTakesEachOfThem) {
     Random random(4);
     const Model::Interval interval = random.interval();
     Points<Model::kStates, 21> set;
-    for (int i = 0; i < 21; ++i) set.col(i) = random.state();
+    for (int i = 0; i < 21; ++i) {
+        set.col(i) = random.state();
+    }
     for (const Form form : kForms) {
         const Model model{.velocity_form = form};
         const auto rates = model.rate(set, interval);
@@ -196,8 +199,10 @@ struct Pair {
     // Horizontal velocity error and misalignment after one increment.
     [[nodiscard]] Vector<5> error_after(double dt) const {
         Pair later = *this;
-        later.truth.advance({dt, dt * omega_b, dt * force_b});
-        later.computed.advance({dt, dt * (omega_b + omega_error), dt * (force_b + force_error)});
+        later.truth.advance({.dt = dt, .delta_angle = dt * omega_b, .delta_velocity = dt * force_b});
+        later.computed.advance({.dt = dt,
+                                .delta_angle = dt * (omega_b + omega_error),
+                                .delta_velocity = dt * (force_b + force_error)});
         const Matrix3d C =
             (later.computed.state.q_bn * later.truth.state.q_bn.conjugate()).toRotationMatrix();
         Vector<5> error;
@@ -214,7 +219,10 @@ struct BruteForce {
 
 BruteForce brute_force(double heading_error, double tilt) {
     const NavigationState start{
-        Eigen::Quaterniond(dcm({0.1, -0.15, 0.7})), {8.0, -5.0, 0.0}, {0.56, 2.0, 20.0}};
+        .q_bn = Eigen::Quaterniond(dcm({.roll = 0.1, .pitch = -0.15, .heading = 0.7})),
+        .velocity = {8.0, -5.0, 0.0},
+        .position = {.latitude = 0.56, .longitude = 2.0, .height = 20.0},
+    };
     State x;
     x << 0.05, -0.03, tilt, -0.6 * tilt, heading_error, 8e-3, -5e-3, 2e-7, -3e-7, 1e-7;
     const Pair pair(start, x);
@@ -241,7 +249,9 @@ BruteForce brute_force(double heading_error, double tilt) {
     C_w << std::cos(x(3)), 0.0, -std::sin(x(3)) * std::cos(x(2)),  //
         0.0, 1.0, std::sin(x(2)),                                  //
         std::sin(x(3)), 0.0, std::cos(x(3)) * std::cos(x(2));
-    return {Model{}.rate(x, interval), derivative.head<2>(), C_w * derivative.tail<3>()};
+    return {.rate = Model{}.rate(x, interval),
+            .velocity = derivative.head<2>(),
+            .misalignment = C_w * derivative.tail<3>()};
 }
 
 TEST(LargeAzimuthRate, IsTheErrorOfAMechanisationToFirstOrderInTheTilt) {
@@ -296,7 +306,8 @@ TEST(LargeAzimuthMeasurement, MatrixIsTheDerivativeOfThePrediction) {
         Random random(seed);
         for (int n = 0; n < 50; ++n) {
             const State x = random.state();
-            const Model::Fix fix{Vector2d(1.0, -2.0), random.vector(3.0)};
+            const Model::Fix fix{.velocity_difference = Vector2d(1.0, -2.0),
+                                 .lever_velocity = random.vector(3.0)};
             const auto H = Model::measurement_matrix(x, fix);
             for (int j = 0; j < Model::kStates; ++j) {
                 const State step = 1e-5 * State::Unit(j);
@@ -322,8 +333,9 @@ TEST(LargeAzimuthMeasurement, OfTheTrueErrorsHasNoResidual) {
 }
 
 TEST(LargeAzimuthMeasurement, NoiseIsTheSquaredSigmaOfEachComponent) {
-    const Model model{.noise = {1e-6, 1e-4, 0.2}};
-    const Model::Fix fix{Vector2d::Zero(), Vector3d::Zero()};
+    const Model model{
+        .noise = {.angle_random_walk = 1e-6, .velocity_random_walk = 1e-4, .velocity_sigma = 0.2}};
+    const Model::Fix fix{.velocity_difference = Vector2d::Zero(), .lever_velocity = Vector3d::Zero()};
     EXPECT_LT((model.measurement_noise(State::Zero(), fix) - 0.04 * Eigen::Matrix2d::Identity()).norm(),
               1e-16);
 }
@@ -332,7 +344,9 @@ TEST(LargeAzimuthProcessNoise, GrowsWithTimeAndTheSquaredRandomWalks) {
     Random random(9);
     Model::Interval interval = random.interval();
     interval.dt = 0.25;
-    const Matrix<Model::kStates> Q = Model{.noise = {2e-6, 3e-4, 0.1}}.process_noise(State::Zero(), interval);
+    const Matrix<Model::kStates> Q =
+        Model{.noise = {.angle_random_walk = 2e-6, .velocity_random_walk = 3e-4, .velocity_sigma = 0.1}}
+            .process_noise(State::Zero(), interval);
     State expected;
     expected << 2.25e-8, 2.25e-8, 1e-12, 1e-12, 1e-12, 0.0, 0.0, 0.0, 0.0, 0.0;
     EXPECT_LT((Q - Matrix<Model::kStates>(expected.asDiagonal())).cwiseAbs().maxCoeff(), 1e-22);
@@ -357,9 +371,12 @@ TEST(LargeAzimuthCorrected, UndoesAKnownMisalignment) {
     Random random(11);
     for (int n = 0; n < 50; ++n) {
         const State x = random.state();
-        const NavigationState truth{Eigen::Quaterniond(dcm({random(1.0), random(1.0), random(3.0)})),
-                                    random.vector(50.0),
-                                    {0.5, 1.0, 2.0}};
+        const NavigationState truth{
+            .q_bn =
+                Eigen::Quaterniond(dcm({.roll = random(1.0), .pitch = random(1.0), .heading = random(3.0)})),
+            .velocity = random.vector(50.0),
+            .position = {.latitude = 0.5, .longitude = 1.0, .height = 2.0},
+        };
         NavigationState computed = truth;
         computed.q_bn = Eigen::Quaterniond(exact_C(x.segment<3>(2))) * truth.q_bn;
         computed.velocity.head<2>() += x.head<2>();
@@ -375,7 +392,7 @@ TEST(LargeAzimuthCorrected, ForAHeadingErrorAloneTurnsTheHeadingByIt) {
     State x = State::Zero();
     x(Model::kPhiUp) = 0.2;
     NavigationState computed;
-    computed.q_bn = Eigen::Quaterniond(dcm({0.0, 0.0, 1.0}));
+    computed.q_bn = Eigen::Quaterniond(dcm({.roll = 0.0, .pitch = 0.0, .heading = 1.0}));
     EXPECT_NEAR(euler_angles(Model::corrected(computed, x).q_bn.toRotationMatrix()).heading, 0.8, 1e-15);
 }
 
@@ -403,14 +420,15 @@ TEST(LargeAzimuthReset, JacobianIsTheDerivativeOfWhatRemains) {
 }
 
 TEST(LargeAzimuthInterval, TakesTheAveragesAndTrustsTheCorrectedVelocity) {
-    Mechanisation mechanisation({.velocity = {10.0, 20.0, 1.0}, .position = {0.5, 1.0, 100.0}});
+    Mechanisation mechanisation(
+        {.velocity = {10.0, 20.0, 1.0}, .position = {.latitude = 0.5, .longitude = 1.0, .height = 100.0}});
     IntervalAverage average;
     const NavigationState before = mechanisation.state;
-    mechanisation.advance({0.1, {0.01, 0.02, 0.03}, {0.0, 0.0, 0.98}});
+    mechanisation.advance({.dt = 0.1, .delta_angle = {0.01, 0.02, 0.03}, .delta_velocity = {0.0, 0.0, 0.98}});
     average.add(before, mechanisation, 0.1);
     State x = State::Zero();
     x.head<2>() << 1.0, 2.0;
-    const earth::Position position{0.6, 1.0, 100.0};
+    const earth::Position position{.latitude = 0.6, .longitude = 1.0, .height = 100.0};
     const Model::Interval interval(average, position, x);
     EXPECT_EQ(interval.dt, average.duration());
     EXPECT_EQ(interval.C_bn, average.C_bn());

@@ -157,7 +157,8 @@ TEST_P(HInfinityCorrector, BelowItsCeilingIsTheExactUpdate) {
         const Vector<kStates> sigma = c.scale.cwiseInverse();
         const double gamma = std::sqrt(2.0 * c.largest(L));
         const HInfinity<kStates> free{.gamma = gamma, .scale = L};
-        const HInfinity<kStates> bounded{.gamma = gamma, .scale = L, .ceiling = {{sigma, 1e6}}};
+        const HInfinity<kStates> bounded{
+            .gamma = gamma, .scale = L, .ceiling = {{.sigma = sigma, .limit = 1e6}}};
         EXPECT_LT(relative_difference(bounded.correct(c.P, c.innovation()).covariance,
                                       free.correct(c.P, c.innovation()).covariance),
                   1e-10);
@@ -169,7 +170,8 @@ TEST_P(HInfinityCorrector, ClipsTheEigenvaluesInUnitsOfSigmaAtTheCeiling) {
         const Vector<kStates> sigma = c.scale.cwiseInverse();
         for (const double gamma : {0.05, 0.3, 1.0, 2.0}) {
             const double limit = 1.5 * eigenvalues_in(sigma, c.standard())(kStates - 1);
-            const HInfinity<kStates> corrector{.gamma = gamma, .scale = L, .ceiling = {{sigma, limit}}};
+            const HInfinity<kStates> corrector{
+                .gamma = gamma, .scale = L, .ceiling = {{.sigma = sigma, .limit = limit}}};
             const auto correction = corrector.correct(c.P, c.innovation());
             EXPECT_TRUE(correction.feasible);
             EXPECT_EQ(correction.covariance, correction.covariance.transpose());
@@ -195,7 +197,8 @@ TEST_P(HInfinityCorrector, WithACeilingThatClearsTheStandardPosteriorIsNeverBelo
         const Vector<kStates> sigma = c.scale.cwiseInverse();
         for (const double gamma : {0.05, 0.3, 1.0, 2.0}) {
             const double limit = 1.5 * eigenvalues_in(sigma, c.standard())(kStates - 1);
-            const HInfinity<kStates> corrector{.gamma = gamma, .scale = c.scale, .ceiling = {{sigma, limit}}};
+            const HInfinity<kStates> corrector{
+                .gamma = gamma, .scale = c.scale, .ceiling = {{.sigma = sigma, .limit = limit}}};
             const Square posterior = corrector.correct(c.P, c.innovation()).covariance;
             EXPECT_GT(smallest_eigenvalue<kStates>(posterior - c.standard()), -1e-11);
         }
@@ -214,7 +217,7 @@ TEST(HInfinityCorrectorByHand, InflatesAScalar) {
 }
 
 TEST(HInfinityCorrectorByHand, LeavesStatesWithoutScaleAndCorrelationAlone) {
-    Matrix<2> P = Eigen::Vector2d(1.0, 3.0).asDiagonal();
+    const Matrix<2> P = Eigen::Vector2d(1.0, 3.0).asDiagonal();
     const auto innovation = innovation_of<2, 1>(P, Matrix<1, 2>(1.0, 0.0), Matrix<1>(1.0), Vector<1>(0.0));
     const auto correction = HInfinity<2>{.gamma = 1.0, .scale = {1.0, 0.0}}.correct(P, innovation);
     EXPECT_NEAR(correction.covariance(0, 0), 1.0, 1e-14);  // 1 / (1 / 0.5 - 1)

@@ -39,7 +39,7 @@ TEST(Nis, IsChiSquareWithOneDegreeAChannelForAConsistentFilter) {
 }
 
 TEST(InnovationGate, AdmitsUpToItsThreshold) {
-    const InnovationGate gate{true, 16.0};
+    const InnovationGate gate{.enabled = true, .threshold = 16.0};
     EXPECT_TRUE(gate.admits(0.0));
     EXPECT_TRUE(gate.admits(16.0));
     EXPECT_FALSE(gate.admits(16.0001));

@@ -16,7 +16,9 @@ double error_of(int steps, Discretisation discretisation) {
     const auto rate = [](const Eigen::Vector<double, 1>& y) {
         return Eigen::Vector<double, 1>(-y(0) * y(0));
     };
-    for (int k = 0; k < steps; ++k) x = integrate(x, rate, 1.0 / steps, discretisation);
+    for (int k = 0; k < steps; ++k) {
+        x = integrate(x, rate, 1.0 / steps, discretisation);
+    }
     return std::abs(x(0) - 0.5);
 }
 

@@ -32,7 +32,9 @@ class StandardCorrector : public testing::TestWithParam<unsigned> {
     template <class Check>
     void for_random_cases(const Check& check) {
         RandomCovariance random(GetParam());
-        for (int i = 0; i < 100; ++i) check(Case(random));
+        for (int i = 0; i < 100; ++i) {
+            check(Case(random));
+        }
     }
 };
 

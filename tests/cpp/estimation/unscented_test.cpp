@@ -43,7 +43,9 @@ struct Transcription {
             mean += Wm(i) * X.col(i);
         }
         covariance = Q.cast<Scalar>();
-        for (int i = 0; i < 7; ++i) covariance += Wc(i) * (X.col(i) - mean) * (X.col(i) - mean).transpose();
+        for (int i = 0; i < 7; ++i) {
+            covariance += Wc(i) * (X.col(i) - mean) * (X.col(i) - mean).transpose();
+        }
     }
 };
 
@@ -51,8 +53,10 @@ TEST(Unscented, IsTheTimeUpdateOfZhou2011) {
     for (const unsigned seed : {3U, 77U}) {
         RandomCovariance random(seed);
         for (int i = 0; i < 50; ++i) {
-            for (const UnscentedParameters& p :
-                 {UnscentedParameters{1.0, 2.0, 0.0}, {1.0, 0.0, 1.5}, {0.5, 2.0, 0.0}, {0.1, 1.0, 2.0}}) {
+            for (const UnscentedParameters& p : {UnscentedParameters{.alpha = 1.0, .beta = 2.0, .kappa = 0.0},
+                                                 {.alpha = 1.0, .beta = 0.0, .kappa = 1.5},
+                                                 {.alpha = 0.5, .beta = 2.0, .kappa = 0.0},
+                                                 {.alpha = 0.1, .beta = 1.0, .kappa = 2.0}}) {
                 CurvedModel model;
                 model.Q = random.covariance<3>(1e-3, 1e-1);
                 Vector<3> x = random.normal<3, 1>();
@@ -69,13 +73,13 @@ TEST(Unscented, IsTheTimeUpdateOfZhou2011) {
 
 TEST(Unscented, KeepsTheDigitsThatTheWeightsOfASmallSpreadCost) {
     // Around zero, where an error-state filter with feedback works, nothing but the weights costs digits.
-    const UnscentedParameters p{1e-3, 2.0, 0.0};
+    const UnscentedParameters p{.alpha = 1e-3, .beta = 2.0, .kappa = 0.0};
     for (const unsigned seed : {5U, 91U}) {
         RandomCovariance random(seed);
         double worst = 0.0;
         double worst_naive = 0.0;
         for (int i = 0; i < 50; ++i) {
-            CurvedModel model;
+            const CurvedModel model;
             Vector<3> x = Vector<3>::Zero();
             Matrix<3> P = random.covariance<3>(0.3, 3.0);
             const Transcription<long double> expected(x, P, model.Q, p);
@@ -113,7 +117,7 @@ TEST(Unscented, EqualsLinearisedOnALinearModel) {
 
 TEST(Unscented, FindsTheMeanShiftOfCurvatureThatLinearisedMisses) {
     // E[a^2 / 2] = P_aa / 2 in the second row of the model at zero.
-    CurvedModel model;
+    const CurvedModel model;
     Vector<3> x = Vector<3>::Zero();
     Matrix<3> P = Eigen::Vector3d(0.4, 0.1, 0.1).asDiagonal();
     Unscented().predict(model, x, P, {});
@@ -136,7 +140,7 @@ TEST(Unscented, KeepsTheCovarianceSymmetricAndPositiveDefinite) {
 }
 
 TEST(Unscented, RepairsAnIndefiniteCovarianceAndSaysSo) {
-    LinearModel<3> model;
+    const LinearModel<3> model;
     Vector<3> x = Vector<3>::Ones();
     Matrix<3> P = Eigen::Vector3d(1.0, 2.0, 3.0).asDiagonal();
     P(0, 1) = P(1, 0) = 1.6;  // correlation above one
@@ -147,7 +151,7 @@ TEST(Unscented, RepairsAnIndefiniteCovarianceAndSaysSo) {
 }
 
 TEST(Unscented, FailsOnACovarianceThatIsNotFinite) {
-    LinearModel<3> model;
+    const LinearModel<3> model;
     Vector<3> x = Vector<3>::Ones();
     Matrix<3> P = Matrix<3>::Identity();
     P(2, 2) = std::numeric_limits<double>::quiet_NaN();

@@ -43,7 +43,7 @@ TEST(Dcm, PositiveRollLowersTheRightSideAboutTheForwardAxis) {
 
 TEST(Dcm, RollIsTheInnermostRotation) {
     // Roll leaves the forward axis where heading and pitch put it; pitch leaves the right axis level.
-    const EulerAngles angles{0.7, 0.4, 2.0};
+    const EulerAngles angles{.roll = 0.7, .pitch = 0.4, .heading = 2.0};
     const Vector3d forward(std::sin(2.0) * std::cos(0.4), std::cos(2.0) * std::cos(0.4), std::sin(0.4));
     EXPECT_LT((dcm(angles) * kForward - forward).norm(), 1e-15);
     EXPECT_NEAR((dcm({0.0, 0.4, 2.0}) * kRight).z(), 0.0, 1e-16);
@@ -55,8 +55,11 @@ TEST(EulerAnglesOf, UndoDcm) {
         std::mt19937 generator(seed);
         std::uniform_real_distribution<double> unit(-1.0, 1.0);
         for (int i = 0; i < 200; ++i) {
-            const EulerAngles angles{3.14 * unit(generator), 1.5 * unit(generator),
-                                     kPi * (1.0 + 0.999 * unit(generator))};
+            const EulerAngles angles{
+                .roll = 3.14 * unit(generator),
+                .pitch = 1.5 * unit(generator),
+                .heading = kPi * (1.0 + 0.999 * unit(generator)),
+            };
             const EulerAngles back = euler_angles(dcm(angles));
             const double tolerance = 1e-15 / std::cos(angles.pitch) * 4.0;
             EXPECT_NEAR(back.roll, angles.roll, tolerance);
@@ -68,7 +71,7 @@ TEST(EulerAnglesOf, UndoDcm) {
 
 TEST(EulerAnglesOf, KeepTheHeadingInOneTurn) {
     for (const double heading : {-1e-3, -1e-12, -1e-17, 0.0, 1e-17, 3.0, -3.0, 6.28}) {
-        const double found = euler_angles(dcm({0.0, 0.0, heading})).heading;
+        const double found = euler_angles(dcm({.roll = 0.0, .pitch = 0.0, .heading = heading})).heading;
         EXPECT_GE(found, 0.0) << heading;
         EXPECT_LT(found, 2.0 * kPi) << heading;
         EXPECT_NEAR(std::remainder(found - heading, 2.0 * kPi), 0.0, 1e-15);
@@ -77,7 +80,7 @@ TEST(EulerAnglesOf, KeepTheHeadingInOneTurn) {
 
 TEST(EulerAnglesOf, KeepTheirDigitsCloseToTheVertical) {
     const double off = 1e-6;
-    const EulerAngles back = euler_angles(dcm({0.3, 0.5 * kPi - off, 1.0}));
+    const EulerAngles back = euler_angles(dcm({.roll = 0.3, .pitch = 0.5 * kPi - off, .heading = 1.0}));
     EXPECT_NEAR(back.pitch, 0.5 * kPi - off, 1e-15);  // an arc sine would lose half of them
     EXPECT_NEAR(back.heading, 1.0, 1e-9);
     EXPECT_NEAR(back.roll, 0.3, 1e-9);
@@ -151,7 +154,9 @@ TEST(WrapAngle, TakesHalfATurnToItsNegative) {
 TEST(WrapAngle, KeepsToItsRangeBesideHalfATurn) {
     for (const double turns : {-3.0, -1.0, 1.0, 3.0, 5.0, 21.0}) {
         double angle = turns * kPi;
-        for (int i = 0; i < 4; ++i) angle = std::nextafter(angle, -1e9);
+        for (int i = 0; i < 4; ++i) {
+            angle = std::nextafter(angle, -1e9);
+        }
         for (int i = 0; i < 8; ++i, angle = std::nextafter(angle, 1e9)) {
             EXPECT_GE(wrap_angle(angle), -kPi) << angle;
             EXPECT_LT(wrap_angle(angle), kPi) << angle;
@@ -160,7 +165,9 @@ TEST(WrapAngle, KeepsToItsRangeBesideHalfATurn) {
 }
 
 TEST(WrapAngle, LeavesAnglesAlreadyInRangeAsTheyAre) {
-    for (const double angle : {0.0, 1e-17, -1e-17, 1.234, -3.1, 3.1}) EXPECT_EQ(wrap_angle(angle), angle);
+    for (const double angle : {0.0, 1e-17, -1e-17, 1.234, -3.1, 3.1}) {
+        EXPECT_EQ(wrap_angle(angle), angle);
+    }
 }
 
 }  // namespace

@@ -15,11 +15,13 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::vector<Position> places() {
-    return {{0.0, 0.0, 0.0},
-            {32.0 * kDegree, 118.0 * kDegree, 20.0},
-            {-45.0 * kDegree, -70.0 * kDegree, 5000.0},
-            {80.0 * kDegree, 179.0 * kDegree, 11000.0},
-            {-66.0 * kDegree, -179.5 * kDegree, -300.0}};
+    return {
+        {.latitude = 0.0, .longitude = 0.0, .height = 0.0},
+        {.latitude = 32.0 * kDegree, .longitude = 118.0 * kDegree, .height = 20.0},
+        {.latitude = -45.0 * kDegree, .longitude = -70.0 * kDegree, .height = 5000.0},
+        {.latitude = 80.0 * kDegree, .longitude = 179.0 * kDegree, .height = 11000.0},
+        {.latitude = -66.0 * kDegree, .longitude = -179.5 * kDegree, .height = -300.0},
+    };
 }
 
 const Eigen::Vector3d kVelocity(120.0, -80.0, 15.0);
@@ -55,11 +57,13 @@ TEST(Radii, HaveThePublishedValues) {
 TEST(Radii, AreTheDerivativesOfEarthCentredCoordinates) {
     const double h = 1e-4;
     for (const Position& p : places()) {
-        const Eigen::Vector3d north = (ecef::coordinates({p.latitude + h, p.longitude, 0.0}) -
-                                       ecef::coordinates({p.latitude - h, p.longitude, 0.0})) /
-                                      (2.0 * h);
+        const Eigen::Vector3d north =
+            (ecef::coordinates({.latitude = p.latitude + h, .longitude = p.longitude, .height = 0.0}) -
+             ecef::coordinates({.latitude = p.latitude - h, .longitude = p.longitude, .height = 0.0})) /
+            (2.0 * h);
         EXPECT_NEAR(radii(p.latitude).meridian, north.norm(), 0.02);  // h^2 R / 6
-        const Eigen::Vector3d surface = ecef::coordinates({p.latitude, p.longitude, 0.0});
+        const Eigen::Vector3d surface =
+            ecef::coordinates({.latitude = p.latitude, .longitude = p.longitude, .height = 0.0});
         EXPECT_NEAR(radii(p.latitude).prime_vertical * std::cos(p.latitude), surface.head<2>().norm(), 1e-6);
     }
 }
@@ -116,7 +120,8 @@ TEST(Displacement, UndoesDisplaced) {
 
 TEST(Displacement, IsShortAcrossTheDateLine) {
     const double near_line = std::numbers::pi - 1e-6;
-    const Eigen::Vector3d east = displacement({0.3, near_line, 0.0}, {0.3, -near_line, 0.0});
+    const Eigen::Vector3d east = displacement({.latitude = 0.3, .longitude = near_line, .height = 0.0},
+                                              {.latitude = 0.3, .longitude = -near_line, .height = 0.0});
     const double arc = 2e-6 * radii(0.3).prime_vertical * std::cos(0.3);
     EXPECT_NEAR(east.x(), arc, 1e-6);
     EXPECT_NEAR(displacement({0.3, -near_line, 0.0}, {0.3, near_line, 0.0}).x(), -arc, 1e-6);
@@ -124,7 +129,7 @@ TEST(Displacement, IsShortAcrossTheDateLine) {
 
 TEST(Displaced, WrapsTheLongitudeAtTheDateLine) {
     for (const double side : {1.0, -1.0}) {
-        const Position from{0.3, side * (std::numbers::pi - 1e-6), 0.0};
+        const Position from{.latitude = 0.3, .longitude = side * (std::numbers::pi - 1e-6), .height = 0.0};
         const Eigen::Vector3d step(side * 20.0, 5.0, 1.0);
         const Position to = displaced(from, step);
         EXPECT_LT(side * to.longitude, 0.0);

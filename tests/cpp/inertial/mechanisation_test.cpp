@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kArcsecond = kPi / 180.0 / 3600.0;
-const earth::Position kPlace{0.6, 2.0, 50.0};
+const earth::Position kPlace{.latitude = 0.6, .longitude = 2.0, .height = 50.0};
 
 // An IMU in free fall: the velocity does not depend on the attitude, so that
 // q_bn(t) = q_bn(t of a body that does not turn) * (turn of the body in inertial space).
@@ -26,8 +26,8 @@ class FreeFall {
         : turning({.q_bn = turned, .position = kPlace}), inert({.position = kPlace}) {}
 
     void advance(double dt, const Vector3d& delta_angle, const Vector3d& delta_velocity = Vector3d::Zero()) {
-        turning.advance({dt, delta_angle, delta_velocity});
-        inert.advance({dt, Vector3d::Zero(), Vector3d::Zero()});
+        turning.advance({.dt = dt, .delta_angle = delta_angle, .delta_velocity = delta_velocity});
+        inert.advance({.dt = dt, .delta_angle = Vector3d::Zero(), .delta_velocity = Vector3d::Zero()});
     }
     // Forgets the previous increment, as an algorithm without coning and sculling terms would.
     void forget() { turning = Mechanisation(turning.state); }
@@ -64,11 +64,17 @@ double coning_drift(const Coning& coning, double dt, bool compensated) {
     double first = 0.0;
     for (long k = 0; k < steps_of(21); ++k) {
         fall.advance(dt, coning.increment(static_cast<double>(k) * dt, static_cast<double>(k + 1) * dt));
-        if (!compensated) fall.forget();
+        if (!compensated) {
+            fall.forget();
+        }
         const double t = static_cast<double>(k + 1) * dt;
         const double error = rotation_vector(coning.at(t).conjugate() * fall.turned()).z();
-        if (k + 1 == steps_of(1)) first = error;
-        if (k + 1 == steps_of(21)) return (error - first) / (static_cast<double>(steps_of(20)) * dt);
+        if (k + 1 == steps_of(1)) {
+            first = error;
+        }
+        if (k + 1 == steps_of(21)) {
+            return (error - first) / (static_cast<double>(steps_of(20)) * dt);
+        }
     }
     return 0.0;
 }
@@ -78,14 +84,14 @@ double coning_of(double x) { return 0.5 * (x - std::sin(x)); }
 double two_sample_estimate(double x) { return (1.0 - std::cos(x)) * std::sin(x) / 6.0; }
 
 TEST(MechanisationConing, WithoutThePreviousSampleDriftsAsTheTextbooksSay) {
-    const Coning coning{2e-3, 2.0 * kPi * 5.0};
+    const Coning coning{.cone = 2e-3, .omega = 2.0 * kPi * 5.0};
     const double dt = 0.01;
     const double expected = -coning.cone * coning.cone * coning_of(coning.omega * dt) / dt;
     EXPECT_NEAR(coning_drift(coning, dt, false), expected, 1e-3 * std::abs(expected));
 }
 
 TEST(MechanisationConing, LeavesTheResidualOfTheTwoSampleAlgorithm) {
-    const Coning coning{2e-3, 2.0 * kPi * 5.0};
+    const Coning coning{.cone = 2e-3, .omega = 2.0 * kPi * 5.0};
     const double a2 = coning.cone * coning.cone;
     for (const double dt : {0.02, 0.01}) {
         const double x = coning.omega * dt;
@@ -95,7 +101,7 @@ TEST(MechanisationConing, LeavesTheResidualOfTheTwoSampleAlgorithm) {
 }
 
 TEST(MechanisationConing, VanishesWithTheFourthPowerOfTheInterval) {
-    const Coning coning{2e-3, 2.0 * kPi * 5.0};
+    const Coning coning{.cone = 2e-3, .omega = 2.0 * kPi * 5.0};
     const double ratio = coning_drift(coning, 0.01, true) / coning_drift(coning, 0.005, true);
     EXPECT_NEAR(std::log2(ratio), 4.0, 0.1);
     // a^2 omega x^4 / 60 against a^2 omega x^2 / 12
@@ -114,8 +120,12 @@ double sculling_acceleration(double A, double B, double omega, double dt, bool c
         const double to = omega * dt * static_cast<double>(k + 1);
         fall.advance(dt, {A * (std::sin(to) - std::sin(from)), 0.0, 0.0},
                      {0.0, B / omega * (std::cos(from) - std::cos(to)), 0.0});
-        if (!compensated) fall.forget();
-        if (k + 1 == per_turn) first = fall.gained().z();
+        if (!compensated) {
+            fall.forget();
+        }
+        if (k + 1 == per_turn) {
+            first = fall.gained().z();
+        }
     }
     return (fall.gained().z() - first) / (10.0 * static_cast<double>(per_turn) * dt);
 }
@@ -163,7 +173,7 @@ struct Linear {
     [[nodiscard]] End integrated(double T) const {
         constexpr int steps = 20000;
         const double h = T / steps;
-        End end{Quaterniond::Identity(), Vector3d::Zero()};
+        End end{.turned = Quaterniond::Identity(), .gained = Vector3d::Zero()};
         for (int k = 0; k < steps; ++k) {
             const double middle = (k + 0.5) * h;
             const Vector3d w = w0 + w1 * middle;
@@ -223,13 +233,18 @@ TEST(Mechanisation, ResolvesAForceThatIsConstantInSpaceWhileTheBodyTurnsSteadily
 }
 
 TEST(Mechanisation, StaysWhereItIsOnTheTurningEarth) {
-    const Eigen::Matrix3d C_bn = dcm({0.1, -0.2, 2.5});
+    const Eigen::Matrix3d C_bn = dcm({.roll = 0.1, .pitch = -0.2, .heading = 2.5});
     Mechanisation mechanisation({.q_bn = Quaterniond(C_bn), .position = kPlace});
     const double dt = 0.01;
     const Vector3d up(0.0, 0.0, earth::gravity(kPlace.latitude, kPlace.height));
-    const ImuIncrement increment{dt, dt * C_bn.transpose() * earth::rate(kPlace.latitude),
-                                 dt * C_bn.transpose() * up};
-    for (int k = 0; k < 60000; ++k) mechanisation.advance(increment);
+    const ImuIncrement increment{
+        .dt = dt,
+        .delta_angle = dt * C_bn.transpose() * earth::rate(kPlace.latitude),
+        .delta_velocity = dt * C_bn.transpose() * up,
+    };
+    for (int k = 0; k < 60000; ++k) {
+        mechanisation.advance(increment);
+    }
 
     const Quaterniond turned = Quaterniond(C_bn).conjugate() * mechanisation.state.q_bn;
     EXPECT_LT(rotation_vector(turned).norm(), 1e-5 * kArcsecond);
@@ -239,23 +254,30 @@ TEST(Mechanisation, StaysWhereItIsOnTheTurningEarth) {
 
 TEST(Mechanisation, KeepsTheQuaternionNormal) {
     Mechanisation mechanisation({.position = kPlace});
-    for (int k = 0; k < 10000; ++k) mechanisation.advance({0.01, {0.03, -0.02, 0.01}, {0.0, 0.0, 0.098}});
+    for (int k = 0; k < 10000; ++k) {
+        mechanisation.advance(
+            {.dt = 0.01, .delta_angle = {0.03, -0.02, 0.01}, .delta_velocity = {0.0, 0.0, 0.098}});
+    }
     EXPECT_NEAR(mechanisation.state.q_bn.norm(), 1.0, 1e-15);
 }
 
 TEST(Mechanisation, AcrossTheDateLineWrapsTheLongitude) {
-    NavigationState start{.velocity = {200.0, 0.0, 0.0}, .position = {0.3, kPi - 1e-6, 0.0}};
+    const NavigationState start{.velocity = {200.0, 0.0, 0.0},
+                                .position = {.latitude = 0.3, .longitude = kPi - 1e-6, .height = 0.0}};
     Mechanisation mechanisation(start);
-    for (int k = 0; k < 100; ++k) mechanisation.advance({0.01, Vector3d::Zero(), {0.0, 0.0, 0.0978}});
+    for (int k = 0; k < 100; ++k) {
+        mechanisation.advance(
+            {.dt = 0.01, .delta_angle = Vector3d::Zero(), .delta_velocity = {0.0, 0.0, 0.0978}});
+    }
     EXPECT_LT(mechanisation.state.position.longitude, -kPi + 1e-4);
     EXPECT_GE(mechanisation.state.position.longitude, -kPi);
 }
 
 TEST(Mechanisation, GivesTheSpecificForceInNavigationAxes) {
-    const Eigen::Matrix3d C_bn = dcm({0.1, -0.2, 2.5});
+    const Eigen::Matrix3d C_bn = dcm({.roll = 0.1, .pitch = -0.2, .heading = 2.5});
     Mechanisation mechanisation({.q_bn = Quaterniond(C_bn), .position = kPlace});
     const Vector3d delta_velocity(0.01, 0.02, 0.1);
-    mechanisation.advance({0.01, Vector3d::Zero(), delta_velocity});
+    mechanisation.advance({.dt = 0.01, .delta_angle = Vector3d::Zero(), .delta_velocity = delta_velocity});
     EXPECT_LT((mechanisation.delta_velocity_n() - C_bn * delta_velocity).norm(), 1e-7);  // w_ie dt |dv|
 }
 
@@ -263,8 +285,10 @@ TEST(Mechanisation, ExtrapolatesTheRateToTheEndOfTheInterval) {
     const Linear motion;
     for (const auto& [before, now] : {std::pair{0.01, 0.01}, {0.02, 0.01}, {0.005, 0.02}}) {
         Mechanisation mechanisation({.position = kPlace});
-        mechanisation.advance({before, motion.angle(-before, 0.0), Vector3d::Zero()});
-        mechanisation.advance({now, motion.angle(0.0, now), Vector3d::Zero()});
+        mechanisation.advance(
+            {.dt = before, .delta_angle = motion.angle(-before, 0.0), .delta_velocity = Vector3d::Zero()});
+        mechanisation.advance(
+            {.dt = now, .delta_angle = motion.angle(0.0, now), .delta_velocity = Vector3d::Zero()});
         const Vector3d end = motion.w0 + motion.w1 * now;
         const Vector3d expected =
             end - mechanisation.state.q_bn.conjugate() * earth::rate(mechanisation.state.position.latitude);
@@ -274,7 +298,8 @@ TEST(Mechanisation, ExtrapolatesTheRateToTheEndOfTheInterval) {
 
 TEST(Mechanisation, AfterOneIncrementGivesItsMeanRate) {
     Mechanisation mechanisation({.position = kPlace});
-    mechanisation.advance({0.01, {1e-3, 2e-3, 3e-3}, Vector3d::Zero()});
+    mechanisation.advance(
+        {.dt = 0.01, .delta_angle = {1e-3, 2e-3, 3e-3}, .delta_velocity = Vector3d::Zero()});
     const Vector3d expected =
         Vector3d(0.1, 0.2, 0.3) - mechanisation.state.q_bn.conjugate() * earth::rate(kPlace.latitude);
     EXPECT_LT((mechanisation.omega_eb_b() - expected).norm(), 1e-12);
@@ -283,12 +308,16 @@ TEST(Mechanisation, AfterOneIncrementGivesItsMeanRate) {
 TEST(LeverArm, VelocityIsTheDerivativeOfThePointsPosition) {
     const Vector3d lever_arm(2.0, -7.0, 12.0);
     const Vector3d omega_nb_b(0.1, -0.3, 0.2);
-    const NavigationState now{Quaterniond(dcm({0.1, -0.2, 2.5})), {90.0, -60.0, 5.0}, kPlace};
+    const NavigationState now{.q_bn = Quaterniond(dcm({.roll = 0.1, .pitch = -0.2, .heading = 2.5})),
+                              .velocity = {90.0, -60.0, 5.0},
+                              .position = kPlace};
     const Vector3d position_rate = earth::position_rate(now.position, now.velocity);
     const auto point = [&](double t) {
         const Quaterniond turn(Eigen::AngleAxisd(omega_nb_b.norm() * t, omega_nb_b.normalized()));
-        return ecef::coordinates(point_position(
-            {now.q_bn * turn, now.velocity, ecef::moved(now.position, position_rate, t)}, lever_arm));
+        return ecef::coordinates(point_position({.q_bn = now.q_bn * turn,
+                                                 .velocity = now.velocity,
+                                                 .position = ecef::moved(now.position, position_rate, t)},
+                                                lever_arm));
     };
     const double t = 1e-3;
     const Vector3d expected = ecef::axes(now.position).transpose() * (point(t) - point(-t)) / (2.0 * t);
@@ -301,7 +330,8 @@ TEST(LeverArm, VelocityIsTheDerivativeOfThePointsPosition) {
 }
 
 TEST(LeverArm, PositionIsTheArmInNavigationAxes) {
-    const NavigationState state{Quaterniond(dcm({.heading = 0.5 * kPi})), Vector3d::Zero(), kPlace};
+    const NavigationState state{
+        .q_bn = Quaterniond(dcm({.heading = 0.5 * kPi})), .velocity = Vector3d::Zero(), .position = kPlace};
     const Vector3d offset = earth::displacement(kPlace, point_position(state, {1.0, 2.0, 3.0}));
     EXPECT_LT((offset - Vector3d(2.0, -1.0, 3.0)).norm(), 1e-8);  // forward is east, right is south
 }
