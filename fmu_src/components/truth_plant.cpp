@@ -1,11 +1,14 @@
 #include "components/truth_plant.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "inertial/attitude.hpp"
+#include "inertial/earth.hpp"
 
 namespace truenorth {
 
@@ -19,6 +22,9 @@ constexpr double kWhole = 1e-3;
 
 // The same limit as that of motion.latitude [rad].
 constexpr double kHighestLatitude = 1.57;
+
+// A speed that rounding may leave of none [m/s].
+constexpr double kStandstill = 1e-6;
 
 std::string element(const std::string& name, Eigen::Index index) {
     return name + "[" + rules::text(index + 1) + "]";
@@ -54,6 +60,36 @@ void check_window(const std::string& begin_name, double begin, const std::string
     }
 }
 
+// The aircraft never flies backwards, and never pushes over so fast that it floats: the bank of a coordinated
+// turn is undefined without weight.
+void check_flight(const Parameters::Motion& motion) {
+    const auto& [duration, acceleration, climb_angle, turn_angle] = motion.segment;
+    double speed = motion.speed;
+    double climb = 0.0;
+    for (Eigen::Index i = 0; i < duration.size(); ++i) {
+        if (duration[i] == 0.0) {
+            continue;
+        }
+        const double speed_after = speed + acceleration[i] * duration[i];
+        if (speed_after < -kStandstill) {
+            rules::refuse(element("motion.segment.acceleration", i), acceleration[i],
+                          "at least " + with_value("what stops the aircraft", -speed / duration[i]));
+        }
+        const plant::Transition push_over{
+            .change = std::min(0.0, climb_angle[i] - climb), .begin = 0.0, .duration = duration[i]};
+        const double steepest = std::max(std::abs(climb), std::abs(climb_angle[i]));
+        if (std::max(speed, speed_after) * push_over.peak_rate() >=
+            earth::kStandardGravity * std::cos(steepest)) {
+            rules::refuse(element("motion.segment.climb_angle", i), climb_angle[i],
+                          "reached in more than " +
+                              with_value(element("motion.segment.duration", i), duration[i]) +
+                              ": the push-over would be weightless");
+        }
+        speed = speed_after;
+        climb = climb_angle[i];
+    }
+}
+
 // The rules that a declaration of a single variable cannot state.
 void check_together(const Parameters& parameters) {
     const auto& [seed, motion, imu, gnss] = parameters;
@@ -61,6 +97,8 @@ void check_together(const Parameters& parameters) {
     if (motion.kind == MotionKind::ship) {
         check_period("motion.sway.period", motion.sway.period, motion.sway.amplitude, imu.rate);
         check_period("motion.wave.period", motion.wave.period, motion.wave.velocity, imu.rate);
+    } else if (motion.kind == MotionKind::flight) {
+        check_flight(motion);
     } else {
         const Eigen::Vector3d amplitude = motion.vibration.angle.cwiseMax(motion.vibration.acceleration);
         check_frequency("motion.vibration.frequency", motion.vibration.frequency, amplitude, imu.rate);
@@ -97,7 +135,7 @@ plant::Ship ship(const Parameters::Motion& motion) {
     for (std::size_t i = 0; i < ship.turns.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
         ship.turns[i] = {
-            .angle = motion.turn.angle[row],
+            .change = motion.turn.angle[row],
             .begin = motion.turn.begin[row],
             .duration = motion.turn.duration[row],
         };
@@ -131,11 +169,30 @@ plant::ParkedVehicle parked_vehicle(const Parameters::Motion& motion) {
     };
 }
 
-plant::Motion motion(const Parameters::Motion& motion) {
-    if (motion.kind == MotionKind::ship) {
-        return ship(motion);
+plant::Flight flight(const Parameters::Motion& motion) {
+    std::array<plant::Flight::Segment, plant::Flight::kSegments> segments;
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        segments[i] = {
+            .duration = motion.segment.duration[row],
+            .acceleration = motion.segment.acceleration[row],
+            .climb_angle = motion.segment.climb_angle[row],
+            .turn_angle = motion.segment.turn_angle[row],
+        };
     }
-    return parked_vehicle(motion);
+    return {{.speed = motion.speed, .climb_angle = 0.0, .course = motion.course}, segments};
+}
+
+plant::Motion motion(const Parameters::Motion& motion) {
+    switch (motion.kind) {
+        case MotionKind::ship:
+            return ship(motion);
+        case MotionKind::parked_vehicle:
+            return parked_vehicle(motion);
+        case MotionKind::flight:
+            return flight(motion);
+    }
+    throw std::logic_error("a motion that validate() does not know");
 }
 
 // Gyro and accelerometer have the same errors in different units.
@@ -155,6 +212,7 @@ plant::InertialSensor::Errors errors(const Sensor& sensor) {
         .quantisation = sensor.quantisation,
         .bias_step = sensor.bias_step,
         .bias_step_time = sensor.bias_step_time,
+        .bias_step_duration = sensor.bias_step_duration,
     };
 }
 

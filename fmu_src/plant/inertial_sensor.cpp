@@ -13,6 +13,7 @@ InertialSensor::InertialSensor(const Errors& errors, double period, const Stream
       bias_(errors.bias + errors.bias_sigma * streams.bias.normal(0)),
       bias_step_(errors.bias_step),
       bias_step_time_(errors.bias_step_time),
+      bias_step_duration_(errors.bias_step_duration),
       period_(period),
       white_sigma_(errors.white_noise * std::sqrt(period)),
       quantisation_(errors.quantisation),
@@ -38,8 +39,13 @@ Eigen::Vector3d InertialSensor::measure(State& state, std::uint64_t sample, doub
 }
 
 Eigen::Vector3d InertialSensor::slow_error(const State& state, double time) const {
-    const double stepped = std::clamp((time - bias_step_time_) / period_, 0.0, 1.0);  // share of the sample
-    return bias_ + stepped * bias_step_ + state.markov;
+    return bias_ + stepped(time) * bias_step_ + state.markov;
+}
+
+double InertialSensor::stepped(double time) const {
+    const auto since = [&](double begin) { return std::clamp((time - begin) / period_, 0.0, 1.0); };
+    const double begun = since(bias_step_time_);
+    return bias_step_duration_ > 0.0 ? begun - since(bias_step_time_ + bias_step_duration_) : begun;
 }
 
 }  // namespace truenorth::plant

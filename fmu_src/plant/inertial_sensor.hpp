@@ -33,6 +33,7 @@ class InertialSensor {
         double quantisation = 0.0;                               // one count of the increments [u]; 0: off
         Eigen::Vector3d bias_step = Eigen::Vector3d::Zero();     // [u/s]
         double bias_step_time = 0.0;                             // [s]
+        double bias_step_duration = 0.0;                         // [s]; 0: for ever
     };
 
     struct Streams {
@@ -65,10 +66,14 @@ class InertialSensor {
     [[nodiscard]] Eigen::Vector3d slow_error(const State& state, double time) const;
 
   private:
+    // Share of the sample that ends at `time` in which the bias step is on.
+    [[nodiscard]] double stepped(double time) const;
+
     Eigen::Matrix3d gain_;
     Eigen::Vector3d bias_;
     Eigen::Vector3d bias_step_;
     double bias_step_time_;
+    double bias_step_duration_;
     double period_;
     double white_sigma_;  // of an increment
     double quantisation_;

@@ -4,13 +4,14 @@
 
 #include <variant>
 
+#include "plant/flight.hpp"
 #include "plant/kinematics.hpp"
 #include "plant/parked_vehicle.hpp"
 #include "plant/ship.hpp"
 
 namespace truenorth::plant {
 
-using Motion = std::variant<Ship, ParkedVehicle>;
+using Motion = std::variant<Ship, ParkedVehicle, Flight>;
 
 inline Kinematics at(const Motion& motion, double time) {
     return std::visit([time](const auto& kind) { return kind.at(time); }, motion);

@@ -7,8 +7,8 @@ namespace truenorth::plant {
 Kinematics Ship::at(double time) const {
     double course_now = course;
     double course_rate = 0.0;
-    for (const Turn& turn : turns) {
-        course_now += turn.turned(time);
+    for (const Transition& turn : turns) {
+        course_now += turn.value(time);
         course_rate += turn.rate(time);
     }
     const Eigen::Vector3d ahead(std::sin(course_now), std::cos(course_now), 0.0);

@@ -6,7 +6,7 @@
 
 #include "plant/kinematics.hpp"
 #include "plant/oscillation.hpp"
-#include "plant/turn.hpp"
+#include "plant/transition.hpp"
 
 namespace truenorth::plant {
 
@@ -15,7 +15,7 @@ struct Ship {
     double speed = 0.0;   // [m/s]
     Oscillation sway;     // roll, pitch, yaw [rad]; yaw is counter-clockwise: heading = course - yaw
     Oscillation wave;     // velocity east, north, up [m/s]
-    std::array<Turn, 8> turns{};
+    std::array<Transition, 8> turns{};  // of the course, positive clockwise [rad]
 
     [[nodiscard]] Kinematics at(double time) const;
 };

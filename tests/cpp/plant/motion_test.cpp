@@ -12,8 +12,8 @@ namespace {
 
 Ship turning_ship() {
     Ship ship = swaying_ship();
-    ship.turns[0] = {.angle = 90.0 * kDegree, .begin = 10.0, .duration = 60.0};
-    ship.turns[1] = {.angle = -40.0 * kDegree, .begin = 50.0, .duration = 30.0};
+    ship.turns[0] = {.change = 90.0 * kDegree, .begin = 10.0, .duration = 60.0};
+    ship.turns[1] = {.change = -40.0 * kDegree, .begin = 50.0, .duration = 30.0};
     return ship;
 }
 
@@ -42,6 +42,13 @@ TEST(Motion, DerivativesOfTheShipAreExact) {
 TEST(Motion, DerivativesOfTheParkedVehicleAreExact) {
     for (const double t : {0.0, 0.0123, 1.7, 30.0}) {
         expect_exact_derivatives(parked_vehicle(), t, 1e-4);
+    }
+}
+
+TEST(Motion, DerivativesOfTheFlightAreExact) {
+    for (const double t :
+         {-1.0, 13.0, 39.0, 44.0, 50.5, 80.0, 95.0, 117.0, 140.0, 163.0, 199.0, 215.0, 240.0}) {
+        expect_exact_derivatives(eventful_flight(), t, 5e-3);
     }
 }
 

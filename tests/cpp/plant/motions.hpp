@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "plant/flight.hpp"
 #include "plant/parked_vehicle.hpp"
 #include "plant/ship.hpp"
 
@@ -39,6 +40,25 @@ inline ParkedVehicle parked_vehicle() {
     vehicle.vibration.frequency = {11.0, 12.0, 13.0};
     vehicle.vibration.phase.setConstant(-1.5);
     return vehicle;
+}
+
+// Takes off from standstill, accelerates, climbs, turns right while it climbs, levels off, turns left, brakes
+// and descends: every quantity changes alone and with the others.
+inline Flight eventful_flight() {
+    return Flight({.speed = 0.0, .climb_angle = 0.0, .course = 90.0 * kDegree},
+                  {{
+                      {.duration = 40.0, .acceleration = 2.0},
+                      {.duration = 10.0, .acceleration = 1.0, .climb_angle = 12.0 * kDegree},
+                      {.duration = 60.0, .climb_angle = 12.0 * kDegree, .turn_angle = 120.0 * kDegree},
+                      {.duration = 0.0, .acceleration = 50.0, .climb_angle = 1.0, .turn_angle = 1.0},
+                      {.duration = 15.0, .turn_angle = 20.0 * kDegree},
+                      {.duration = 30.0},
+                      {.duration = 45.0, .turn_angle = -180.0 * kDegree},
+                      {.duration = 30.0,
+                       .acceleration = -1.5,
+                       .climb_angle = -8.0 * kDegree,
+                       .turn_angle = -30.0 * kDegree},
+                  }});
 }
 
 }  // namespace truenorth::plant

@@ -16,7 +16,7 @@ constexpr earth::Position kStart{.latitude = 32.0 * kDegree, .longitude = 118.0 
 
 Ship turning_ship() {
     Ship ship = swaying_ship();
-    ship.turns[0] = {.angle = 90.0 * kDegree, .begin = 2.0, .duration = 60.0};
+    ship.turns[0] = {.change = 90.0 * kDegree, .begin = 2.0, .duration = 60.0};
     return ship;
 }
 
@@ -74,6 +74,21 @@ TEST(Trajectory, IncrementsOfTheParkedVehicleAreIntegrals) {
         EXPECT_LT(angle, 1e-6 * 4e-5 * phase) << "t = " << begin;
         EXPECT_LT(velocity, 1e-6 * 6e-4 * phase) << "t = " << begin;
     }
+}
+
+TEST(Trajectory, IncrementsOfTheFlightAreIntegrals) {
+    for (const double begin : {13.0, 44.0, 80.0, 109.99, 110.0, 180.0}) {
+        const auto [angle, velocity] = increment_error(eventful_flight(), begin, 0.01);
+        EXPECT_LT(angle, 8e-16) << "t = " << begin;
+        EXPECT_LT(velocity, 1.6e-12) << "t = " << begin;
+    }
+}
+
+// The roll rate has a kink where two segments meet, here at 110 s in the middle of a sample: 0.02 arcsec.
+TEST(Trajectory, AJointOfSegmentsWithinASampleCostsLittle) {
+    const auto [angle, velocity] = increment_error(eventful_flight(), 109.995, 0.01);
+    EXPECT_LT(angle, 0.02 / 3600.0 * kDegree);
+    EXPECT_LT(velocity, 1e-7);
 }
 
 // Position, and integrals over ten minutes, do not depend on the IMU's rate.
@@ -193,8 +208,8 @@ TEST(Trajectory, CrossesTheDateLine) {
 }
 
 // The loop closes: the increments, mechanised from a perfect start, give the trajectory back.
-TEST(Trajectory, TheMechanisationFollowsTheShip) {
-    const Trajectory trajectory(turning_ship(), kStart);
+void expect_that_the_mechanisation_follows(const Motion& motion, int samples) {
+    const Trajectory trajectory(motion, kStart);
     Trajectory::State state = trajectory.begin(0.0);
     Mechanisation mechanisation({
         .q_bn = Eigen::Quaterniond(state.kinematics.C_bn),
@@ -203,7 +218,7 @@ TEST(Trajectory, TheMechanisationFollowsTheShip) {
     });
     double attitude_error = 0.0;
     double velocity_error = 0.0;
-    for (int k = 1; k <= 60000; ++k) {
+    for (int k = 1; k <= samples; ++k) {
         const double begin = state.time;
         const auto [delta_angle, delta_velocity] = trajectory.advance(state, k / 100.0);
         mechanisation.advance(
@@ -216,6 +231,24 @@ TEST(Trajectory, TheMechanisationFollowsTheShip) {
     }
     EXPECT_LT(attitude_error, 1e-3 / 3600.0 * kDegree);
     EXPECT_LT(velocity_error, 1e-5);
+}
+
+TEST(Trajectory, TheMechanisationFollowsTheShip) {
+    expect_that_the_mechanisation_follows(turning_ship(), 60000);
+}
+
+TEST(Trajectory, TheMechanisationFollowsAnEventfulFlight) {
+    expect_that_the_mechanisation_follows(eventful_flight(), 60000);
+}
+
+// Chen 2019: 100 m/s for 1000 s, here with two turns.
+TEST(Trajectory, TheMechanisationFollowsALevelFlightWithTurns) {
+    expect_that_the_mechanisation_follows(Flight({.speed = 100.0, .climb_angle = 0.0, .course = 0.0},
+                                                 {{{.duration = 300.0},
+                                                   {.duration = 60.0, .turn_angle = 90.0 * kDegree},
+                                                   {.duration = 240.0},
+                                                   {.duration = 60.0, .turn_angle = -90.0 * kDegree}}}),
+                                          100000);
 }
 
 }  // namespace
