@@ -238,7 +238,7 @@ void AlignmentFilter::correct(const GnssFix& fix, const AntennaState& antenna) {
     }
 }
 
-RobustCorrection<LargeAzimuth::kStates, LargeAzimuth::kMeasurements> AlignmentFilter::corrected(
+Correction<LargeAzimuth::kStates, LargeAzimuth::kMeasurements> AlignmentFilter::corrected(
     const Innovation<Model::kStates, Model::kMeasurements>& innovation) {
     if (parameters.corrector == alignment_filter::Corrector::standard) {
         return {Standard().correct(estimator_.covariance, innovation)};

@@ -54,7 +54,7 @@ class AlignmentFilter {
     void take_fix();
     void predict();
     void correct(const GnssFix& fix, const AntennaState& antenna);
-    [[nodiscard]] RobustCorrection<Model::kStates, Model::kMeasurements> corrected(
+    [[nodiscard]] Correction<Model::kStates, Model::kMeasurements> corrected(
         const Innovation<Model::kStates, Model::kMeasurements>& innovation);
     void feed_back();
     void reject_fix(const char* reason);

@@ -4,13 +4,14 @@
 #include <utility>
 #include <variant>
 
+#include "estimation/augmented.hpp"
 #include "estimation/linearised.hpp"
 #include "estimation/model.hpp"
 #include "estimation/unscented.hpp"
 
 namespace truenorth {
 
-using Predictor = std::variant<Linearised, Unscented>;
+using Predictor = std::variant<Linearised, Unscented, Augmented>;
 
 template <ErrorModel M>
 class Estimator {
@@ -31,7 +32,8 @@ class Estimator {
 
     // Second phase.
     [[nodiscard]] auto innovate(const typename M::Fix& fix) const {
-        return truenorth::innovate(model, state, covariance, fix);
+        return std::visit([&](const auto& chosen) { return chosen.innovate(model, state, covariance, fix); },
+                          predictor);
     }
 
     // Third phase, once a corrector has spoken.

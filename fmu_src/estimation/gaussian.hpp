@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 namespace truenorth {
 
@@ -19,20 +20,55 @@ using Matrix = Eigen::Matrix<double, Rows, Cols>;
 template <int N, int Count>
 using Points = Eigen::Matrix<double, N, Count, (N > 1 && Count == 1) ? Eigen::ColMajor : Eigen::RowMajor>;
 
-// The prior of a measurement of M components, seen from the N states.
+// The prior of a measurement of M components, its channels, seen from the N states.
+//
+// M is fixed, but a channel may be absent in an epoch (a satellite below the horizon). An absent channel is
+// marked in `present` and holds what makes it neutral in the linear algebra: residual 0, no correlation with
+// anything, noise 1. So a corrector is right without looking, and only what counts channels, or learns from
+// them, consults the mask.
 template <int N, int M>
 struct Innovation {
+    using Mask = Eigen::Array<bool, M, 1>;
+
     Vector<M> residual;  // measurement minus its prediction
     Matrix<M> spread;    // covariance of the prediction, H P H^T
     Matrix<M> noise;     // covariance of the measurement noise, R
     Matrix<N, M> cross;  // covariance of states and prediction, P H^T
+    Mask present = Mask::Constant(true);
+
+    // Degrees of freedom.
+    [[nodiscard]] int channels() const { return static_cast<int>(present.count()); }
+
+    // From here on the channel has not been measured.
+    void remove(int channel) {
+        residual(channel) = 0.0;
+        spread.row(channel).setZero();
+        spread.col(channel).setZero();
+        noise.row(channel).setZero();
+        noise.col(channel).setZero();
+        noise(channel, channel) = 1.0;
+        cross.col(channel).setZero();
+        present(channel) = false;
+    }
+
+    // Standardised innovation u_i = |v_i| / sqrt(S_ii), S = H P H^T + R.
+    [[nodiscard]] Vector<M> standardised() const {
+        return residual.cwiseAbs().cwiseQuotient((spread + noise).diagonal().cwiseSqrt());
+    }
 };
 
-// What a corrector makes of an innovation.
+// What a corrector makes of an innovation, and what it did to it.
 template <int N, int M>
 struct Correction {
     Vector<N> deviation;   // to be applied to the state
     Matrix<N> covariance;  // posterior
+    Vector<M> weight;      // of a channel: 1 used in full, 0 absent or removed
+    Matrix<M> noise;       // the R that was used; of a channel without weight, 1
+    double alpha = 1.0;    // the prior covariance was divided by this
+    double gamma_effective = std::numeric_limits<double>::infinity();  // of H-infinity, as used
+    bool feasible = true;  // false: the gamma asked for was infeasible and the update backed off
+
+    [[nodiscard]] bool used() const { return (weight.array() > 0.0).any(); }
 };
 
 // A + factor sum_k x_k x_k^T over the columns of X, for symmetric A: exactly symmetric, and twice as fast as

@@ -20,12 +20,6 @@
 
 namespace truenorth {
 
-template <int N, int M>
-struct RobustCorrection : Correction<N, M> {
-    double gamma_effective = 0.0;  // the gamma that was used
-    bool feasible = true;          // false: gamma was infeasible and the update backed off
-};
-
 template <int N>
 class HInfinity {
   public:
@@ -45,8 +39,9 @@ class HInfinity {
     std::optional<Ceiling> ceiling = std::nullopt;
 
     template <int M>
-    RobustCorrection<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
-        RobustCorrection<N, M> result{Standard().correct(prior, innovation), gamma, true};
+    Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
+        Correction<N, M> result = Standard().correct(prior, innovation);
+        result.gamma_effective = gamma;
         if (ceiling) {
             result.feasible = forget_below_ceiling(result.covariance);
         } else {
@@ -75,22 +70,28 @@ class HInfinity {
     }
 
     // The information matrix in units of sigma, J = S (P_post^-1 - gamma^-2 L^T L) S, keeps every eigenvalue
-    // above 1 / limit: feasible for any gamma. Returns false, and changes nothing, if P_post has no inverse.
+    // above 1 / limit: feasible for any gamma. Clipping turns the axes a little and would shrink some
+    // directions below P_post; of the change only what adds variance is kept, because an update may forget
+    // but not learn here. Returns false, and changes nothing, if P_post has no inverse.
     bool forget_below_ceiling(Matrix<N>& posterior) const {
         const Vector<N>& sigma = ceiling->sigma;
         const Vector<N> inverse = sigma.cwiseInverse();
-        const Eigen::LLT<Matrix<N>> normalised(inverse.asDiagonal() * posterior * inverse.asDiagonal());
-        if (normalised.info() != Eigen::Success) {
+        const Matrix<N> normalised = inverse.asDiagonal() * posterior * inverse.asDiagonal();
+        const Eigen::LLT<Matrix<N>> cholesky(normalised);
+        if (cholesky.info() != Eigen::Success) {
             return false;
         }
-        const Matrix<N> information = normalised.solve(Matrix<N>::Identity());
-        Matrix<N> J = information;
+        Matrix<N> J = cholesky.solve(Matrix<N>::Identity());
         J.diagonal() -= scale.cwiseProduct(sigma).cwiseAbs2() / (gamma * gamma);
         symmetrise(J);
-        const Eigen::SelfAdjointEigenSolver<Matrix<N>> eigen(J);
-        const Vector<N> variance = eigen.eigenvalues().cwiseMax(1.0 / ceiling->limit).cwiseInverse();
-        const Matrix<N> axes = sigma.asDiagonal() * eigen.eigenvectors();
-        posterior = axes * variance.asDiagonal() * axes.transpose();
+        const Eigen::SelfAdjointEigenSolver<Matrix<N>> information(J);
+        const Vector<N> variance = information.eigenvalues().cwiseMax(1.0 / ceiling->limit).cwiseInverse();
+        const Matrix<N>& U = information.eigenvectors();
+        Matrix<N> change = U * variance.asDiagonal() * U.transpose() - normalised;
+        symmetrise(change);
+        const Eigen::SelfAdjointEigenSolver<Matrix<N>> growth(change);
+        const Matrix<N> axes = sigma.asDiagonal() * growth.eigenvectors();
+        posterior += axes * growth.eigenvalues().cwiseMax(0.0).asDiagonal() * axes.transpose();
         return true;
     }
 };

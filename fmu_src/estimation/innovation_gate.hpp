@@ -2,13 +2,14 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <cmath>
 
 #include "estimation/gaussian.hpp"
 
 namespace truenorth {
 
-// Normalised innovation squared, r^T (H P H^T + R)^-1 r: chi-square with M degrees of freedom when the filter
-// is consistent.
+// Normalised innovation squared, r^T (H P H^T + R)^-1 r: chi-square with as many degrees of freedom as there
+// are channels when the filter is consistent.
 template <int N, int M>
 double nis(const Innovation<N, M>& innovation) {
     const Matrix<M> S = innovation.spread + innovation.noise;
@@ -17,9 +18,29 @@ double nis(const Innovation<N, M>& innovation) {
 
 struct InnovationGate {
     bool enabled = true;
-    double threshold = 16.0;
+    double threshold = 16.0;  // of the NIS of two channels, where it admits 1 - exp(-threshold / 2)
 
     [[nodiscard]] bool admits(double nis) const { return !enabled || nis <= threshold; }
+
+    template <int N, int M>
+    [[nodiscard]] bool admits(const Innovation<N, M>& innovation) const {
+        return !enabled || nis(innovation) <= threshold_for(innovation.channels());
+    }
+
+    // The threshold of the same confidence for any number of channels: the cube root of chi-square per degree
+    // of freedom is nearly normal, of mean 1 - v and variance v = 2 / (9 channels) (Wilson and Hilferty).
+    [[nodiscard]] double threshold_for(int channels) const {
+        if (channels == 2 || channels == 0) {
+            return threshold;
+        }
+        const double quantile =
+            (std::cbrt(threshold / 2.0) - (1.0 - kVarianceOfTwo)) / std::sqrt(kVarianceOfTwo);
+        const double v = 2.0 / (9.0 * channels);
+        return channels * std::pow(1.0 - v + quantile * std::sqrt(v), 3);
+    }
+
+  private:
+    static constexpr double kVarianceOfTwo = 2.0 / 18.0;
 };
 
 }  // namespace truenorth

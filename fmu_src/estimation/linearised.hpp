@@ -21,6 +21,14 @@ class Linearised {
         symmetrise(covariance);
         return covariance.allFinite() ? Prediction::sound : Prediction::failed;
     }
+
+    template <ErrorModel M>
+    [[nodiscard]] Innovation<M::kStates, M::kMeasurements> innovate(const M& model,
+                                                                    const typename M::State& state,
+                                                                    const Matrix<M::kStates>& covariance,
+                                                                    const typename M::Fix& fix) const {
+        return truenorth::innovate(model, state, covariance, fix);
+    }
 };
 
 }  // namespace truenorth

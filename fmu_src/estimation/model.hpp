@@ -32,6 +32,37 @@ concept ErrorModel = requires(const M& model, typename M::State& state, const ty
     { model.measurement_noise(x, fix) } -> std::convertible_to<Matrix<M::kMeasurements>>;
 };
 
+// A model whose measurement is not linear in the deviation offers this besides, for sigma points:
+//
+//   predicted(x, D, fix)       the deviation of the predicted measurement of retract(x, d) from that of x,
+//                              for each column d of D (N x K): M x K
+template <class M>
+concept NonlinearMeasurement =
+    ErrorModel<M> && requires(const M& model, const typename M::State& x,
+                              const Points<M::kStates, 2 * M::kStates>& points, const typename M::Fix& fix) {
+        { model.predicted(x, points, fix) } -> std::convertible_to<Points<M::kMeasurements, 2 * M::kStates>>;
+    };
+
+// A model whose channels come and go says which of them a fix has; what it computes for the others does not
+// matter.
+template <class M>
+concept IntermittentMeasurement = ErrorModel<M> && requires(const M& model, const typename M::Fix& fix) {
+    { model.present(fix) } -> std::convertible_to<Eigen::Array<bool, M::kMeasurements, 1>>;
+};
+
+template <ErrorModel M>
+void remove_absent(const M& model, const typename M::Fix& fix,
+                   Innovation<M::kStates, M::kMeasurements>& innovation) {
+    if constexpr (IntermittentMeasurement<M>) {
+        const Eigen::Array<bool, M::kMeasurements, 1> present = model.present(fix);
+        for (int i = 0; i < M::kMeasurements; ++i) {
+            if (!present(i)) {
+                innovation.remove(i);
+            }
+        }
+    }
+}
+
 // Second phase of the filter step: the innovation of a fix, its prediction linear in the deviation.
 template <ErrorModel M>
 Innovation<M::kStates, M::kMeasurements> innovate(const M& model, const typename M::State& state,
@@ -40,7 +71,10 @@ Innovation<M::kStates, M::kMeasurements> innovate(const M& model, const typename
     const Matrix<M::kMeasurements, M::kStates> H = model.measurement_matrix(state, fix);
     // Eigen's lazy products: its blocked ones are made for larger matrices.
     const Matrix<M::kStates, M::kMeasurements> cross = covariance.lazyProduct(H.transpose());
-    return {model.residual(state, fix), H.lazyProduct(cross), model.measurement_noise(state, fix), cross};
+    Innovation<M::kStates, M::kMeasurements> innovation{model.residual(state, fix), H.lazyProduct(cross),
+                                                        model.measurement_noise(state, fix), cross};
+    remove_absent(model, fix, innovation);
+    return innovation;
 }
 
 }  // namespace truenorth

@@ -16,7 +16,8 @@ class Standard {
         // With S = L L^T: P H^T L^-T, so that K S K^T is a sum of squares.
         Matrix<N, M> whitened = innovation.cross;
         S.matrixL().transpose().template solveInPlace<Eigen::OnTheRight>(whitened);
-        return {whitened * S.matrixL().solve(innovation.residual), rank_update<N>(prior, whitened, -1.0)};
+        return {whitened * S.matrixL().solve(innovation.residual), rank_update<N>(prior, whitened, -1.0),
+                innovation.present.template cast<double>(), innovation.noise};
     }
 };
 

@@ -1,0 +1,54 @@
+// Adaptive factor alpha of Li, section III: when the innovation is larger than its covariance explains, the
+// prediction is blamed.
+//
+// H P H^T and P H^T are divided by alpha (eqs. 15, 16), R is not, and
+//
+//     P+ = P- / alpha - K S K^T;
+//
+// eq. 17 prints P_k, the posterior that it defines, for the predicted P_k^-. An outlier of the measurement is
+// thereby taken at its word: against outliers this corrector is the wrong one.
+#pragma once
+
+#include "estimation/gaussian.hpp"
+#include "estimation/standard.hpp"
+
+namespace truenorth {
+
+class AdaptiveFactor {
+  public:
+    enum class Form {
+        unit_free,  // sum u_i^2 > threshold x channels, with the standardised innovation u
+        printed,    // eq. 18, tr(v v^T) > tr(S): adds squared metres to squared metres per second, and fires
+                    // in clean epochs as soon as one unit dominates
+    };
+
+    Form form = Form::unit_free;
+    double threshold = 2.1;  // unit_free only; a mean of u^2, 1 in a consistent filter
+
+    template <int N, int M>
+    Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
+        const double factor = alpha(innovation);
+        Innovation<N, M> used = innovation;
+        used.spread /= factor;
+        used.cross /= factor;
+        Correction<N, M> correction = Standard().correct(Matrix<N>(prior / factor), used);
+        correction.alpha = factor;
+        return correction;
+    }
+
+  private:
+    template <int N, int M>
+    [[nodiscard]] double alpha(const Innovation<N, M>& innovation) const {
+        if (form == Form::printed) {
+            const auto S = (innovation.spread + innovation.noise).diagonal().array();
+            return limited(innovation.residual.squaredNorm(), innovation.present.select(S, 0.0).sum());
+        }
+        return limited(innovation.standardised().squaredNorm(), threshold * innovation.channels());
+    }
+
+    static double limited(double statistic, double limit) {
+        return statistic > limit ? limit / statistic : 1.0;
+    }
+};
+
+}  // namespace truenorth

@@ -1,0 +1,56 @@
+// Every corrector behind one call, chosen at run time, with the innovation gate before it.
+//
+// They lie side by side rather than in a variant: settings can be changed between two epochs without loss of
+// what a corrector has learned, and a saved state has one layout whatever was chosen. Settings are not part
+// of it.
+#pragma once
+
+#include "estimation/adaptive_factor.hpp"
+#include "estimation/gaussian.hpp"
+#include "estimation/h_infinity.hpp"
+#include "estimation/igg.hpp"
+#include "estimation/innovation_gate.hpp"
+#include "estimation/standard.hpp"
+#include "estimation/variational_bayes.hpp"
+
+namespace truenorth {
+
+template <int N, int M>
+class Corrector {
+  public:
+    enum class Method { standard, h_infinity, igg, adaptive_factor, variational_bayes };
+
+    Method method = Method::standard;
+    InnovationGate gate;
+    HInfinity<N> h_infinity;
+    Igg igg;
+    AdaptiveFactor adaptive_factor;
+    VariationalBayes<M> variational_bayes;
+
+    // Third phase of the filter step. What the gate does not admit changes nothing and has no weight.
+    Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
+        if (!gate.admits(innovation)) {
+            return {Vector<N>::Zero(), prior, Vector<M>::Zero(), innovation.noise};
+        }
+        switch (method) {
+            case Method::h_infinity:
+                return h_infinity.correct(prior, innovation);
+            case Method::igg:
+                return igg.correct(prior, innovation);
+            case Method::adaptive_factor:
+                return adaptive_factor.correct(prior, innovation);
+            case Method::variational_bayes:
+                return variational_bayes.correct(prior, innovation);
+            case Method::standard:
+                break;
+        }
+        return Standard().correct(prior, innovation);
+    }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(igg, variational_bayes);
+    }
+};
+
+}  // namespace truenorth

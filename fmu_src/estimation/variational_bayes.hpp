@@ -1,0 +1,98 @@
+// Variational Bayes corrector of Jing 2023, section 2 (after Sarkka and Nummenmaa 2009): the variances of the
+// measurement noise are estimated with the state.
+//
+// The variance of a channel has an inverse gamma distribution of the parameters a and b; R = diag(b / a).
+//
+//     a- = rho a, b- = rho b                                                          (eq. 12)
+//     a  = a- + 1/2, b = b-; then, a few times:
+//         R = diag(b / a), measurement update
+//         b = b- + r^2 / 2 + diag(H P+ H^T) / 2        r the residual of the posterior
+//
+// Neither needs the states: with S = H P H^T + R, r = R S^-1 v and H P+ H^T = R - R S^-1 R. a tends to
+// 1 / (2 (1 - rho)), so that R remembers some 1 / (1 - rho) epochs. Jing 2023's eq. 17 adds 1/2 to the a of
+// the epoch before, not to a-, so that a grows without bound while b does not, and takes residual and
+// covariance of the prior; this is the form `printed`.
+//
+// A channel starts with the nominal R of its first epoch, as sure as `confidence` says; correlations of the
+// nominal R are left out. A channel that is absent learns nothing, and nothing is forgotten of it. The
+// corrector is the standard one, with R as given, for 0 iterations.
+#pragma once
+
+#include <Eigen/Cholesky>
+
+#include "estimation/gaussian.hpp"
+#include "estimation/standard.hpp"
+
+namespace truenorth {
+
+template <int M>
+class VariationalBayes {
+  public:
+    enum class Form { corrected, printed };
+
+    double rho = 0.95;
+    int iterations = 3;
+    double confidence = 1.0;  // a of a channel that starts, as in Jing 2023, eq. 19
+    Form form = Form::corrected;
+
+    template <int N>
+    Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
+        if (iterations == 0) {
+            return Standard().correct(prior, innovation);
+        }
+        const auto& present = innovation.present;
+        const Array nominal = innovation.noise.diagonal();
+        const Mask starts = present && a_ == 0.0;
+        a_ = starts.select(confidence, a_);
+        b_ = starts.select(confidence * nominal, b_);
+
+        const bool printed = form == Form::printed;
+        const Array a = (printed ? 1.0 : rho) * a_ + 0.5;
+        const Array b_prior = rho * b_;
+        Array b = b_prior;
+        Innovation<N, M> used = innovation;
+        for (int i = 0; i < (printed ? 1 : iterations); ++i) {
+            used.noise = present.select(b / a, nominal).matrix().asDiagonal();
+            b = b_prior + 0.5 * (printed ? square_of_prior(used) : square_of_posterior(used));
+        }
+        a_ = present.select(a, a_);
+        b_ = present.select(b, b_);
+        return Standard().correct(prior, used);
+    }
+
+    // Variances of the measurement noise as estimated; 0 of a channel that has not been measured yet.
+    [[nodiscard]] Vector<M> noise() const { return (a_ > 0.0).select(b_ / a_, 0.0).matrix(); }
+
+    // What is known of a channel's noise belongs to another source (satellite) from now on.
+    void restart(int channel) { a_(channel) = 0.0; }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(a_, b_);
+    }
+
+  private:
+    using Array = Eigen::Array<double, M, 1>;
+    using Mask = Eigen::Array<bool, M, 1>;
+
+    // Expected square of the residual of the posterior.
+    template <int N>
+    static Array square_of_posterior(const Innovation<N, M>& innovation) {
+        const Eigen::LLT<Matrix<M>> S(innovation.spread + innovation.noise);
+        const Vector<M> residual = innovation.noise.lazyProduct(S.solve(innovation.residual));
+        Matrix<M> whitened = innovation.noise;
+        S.matrixL().solveInPlace(whitened);
+        return residual.cwiseAbs2() + innovation.noise.diagonal() -
+               whitened.colwise().squaredNorm().transpose();
+    }
+
+    template <int N>
+    static Array square_of_prior(const Innovation<N, M>& innovation) {
+        return innovation.residual.cwiseAbs2() + innovation.spread.diagonal();
+    }
+
+    Array a_ = Array::Zero();
+    Array b_ = Array::Zero();
+};
+
+}  // namespace truenorth
