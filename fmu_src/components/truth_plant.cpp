@@ -118,6 +118,13 @@ void check_together(const Parameters& parameters) {
         check_window(element("gnss.outage.begin", i), gnss.outage.begin[i], element("gnss.outage.end", i),
                      gnss.outage.end[i]);
     }
+    const auto& [probability, channel_probability, least, largest] = gnss.outlier_epoch;
+    if (largest < least) {
+        rules::refuse("gnss.outlier_epoch.largest", largest,
+                      "at least " + with_value("gnss.outlier_epoch.least", least));
+    }
+    check_window("gnss.satellite_limit.begin", gnss.satellite_limit.begin, "gnss.satellite_limit.end",
+                 gnss.satellite_limit.end);
     const auto& [step, sine] = gnss.noise_scale;
     check_window("gnss.noise_scale.step.begin", step.begin, "gnss.noise_scale.step.end", step.end);
     check_window("gnss.noise_scale.sine.begin", sine.begin, "gnss.noise_scale.sine.end", sine.end);
@@ -216,35 +223,64 @@ plant::InertialSensor::Errors errors(const Sensor& sensor) {
     };
 }
 
-plant::GnssReceiver::Errors errors(const Parameters::Gnss& gnss) {
+plant::NoiseScale noise_scale(const Parameters::Gnss& gnss) {
     const auto& [step, sine] = gnss.noise_scale;
+    return {
+        .step_factor = step.factor,
+        .step = {.begin = step.begin, .end = step.end},
+        .sine_amplitude = sine.amplitude,
+        .sine_period = sine.period,
+        .sine = {.begin = sine.begin, .end = sine.end},
+    };
+}
+
+// Of any quantity: probability and size.
+template <class Group>
+plant::Outliers outliers(const Group& group) {
+    return {.probability = group.probability, .size = group.size};
+}
+
+plant::GnssReceiver::Errors errors(const Parameters::Gnss& gnss) {
     plant::GnssReceiver::Errors errors{
         .position_sigma = gnss.position_sigma,
         .velocity_sigma = gnss.velocity_sigma,
-        .position_outliers =
+        .position_outliers = outliers(gnss.position_outlier),
+        .velocity_outliers = outliers(gnss.velocity_outlier),
+        .outlier_epochs =
             {
-                .probability = gnss.position_outlier.probability,
-                .size = gnss.position_outlier.size,
+                .probability = gnss.outlier_epoch.probability,
+                .channel_probability = gnss.outlier_epoch.channel_probability,
+                .least = gnss.outlier_epoch.least,
+                .largest = gnss.outlier_epoch.largest,
             },
-        .velocity_outliers =
-            {
-                .probability = gnss.velocity_outlier.probability,
-                .size = gnss.velocity_outlier.size,
-            },
-        .noise_scale =
-            {
-                .step_factor = step.factor,
-                .step = {.begin = step.begin, .end = step.end},
-                .sine_amplitude = sine.amplitude,
-                .sine_period = sine.period,
-                .sine = {.begin = sine.begin, .end = sine.end},
-            },
+        .noise_scale = noise_scale(gnss),
     };
     for (std::size_t i = 0; i < errors.outages.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
         errors.outages[i] = {.begin = gnss.outage.begin[row], .end = gnss.outage.end[row]};
     }
     return errors;
+}
+
+plant::ChannelReceiver receiver_of_channels(const Parameters& parameters) {
+    const Parameters::Gnss& gnss = parameters.gnss;
+    const auto& [count, begin, end] = gnss.satellite_limit;
+    return {
+        {
+            .constellation_epoch = gnss.constellation_epoch,
+            .mask_angle = gnss.mask_angle,
+            .limit = static_cast<std::size_t>(count),
+            .limited = {.begin = begin, .end = end},
+        },
+        {
+            .pseudorange_sigma = gnss.pseudorange_sigma,
+            .range_rate_sigma = gnss.range_rate_sigma,
+            .pseudorange_outliers = outliers(gnss.pseudorange_outlier),
+            .range_rate_outliers = outliers(gnss.range_rate_outlier),
+            .noise_scale = noise_scale(gnss),
+        },
+        static_cast<std::uint32_t>(parameters.seed),
+    };
 }
 
 plant::NoiseStream stream(const Parameters& parameters, plant::NoiseSource source) {
@@ -275,6 +311,9 @@ TruthPlant::Models::Models(const Parameters& parameters)
                         .wave = stream(parameters, plant::NoiseSource::accelerometer_wave),
                     }),
       receiver(errors(parameters.gnss), static_cast<std::uint32_t>(parameters.seed)),
+      channel_receiver(receiver_of_channels(parameters)),
+      clock({.bias = parameters.gnss.clock.bias_noise, .drift = parameters.gnss.clock.drift_noise},
+            1.0 / parameters.gnss.rate, stream(parameters, plant::NoiseSource::gnss_clock)),
       samples_per_fix(static_cast<std::uint64_t>(std::llround(parameters.imu.rate / parameters.gnss.rate))),
       samples_of_latency(
           static_cast<std::uint64_t>(std::ceil(parameters.gnss.latency * parameters.imu.rate - kWhole))) {}
@@ -290,6 +329,8 @@ void TruthPlant::initialise(double start_time) {
         .trajectory = models.trajectory.begin(start_time),
         .gyro = models.gyro.begin(),
         .accelerometer = models.accelerometer.begin(),
+        .clock = {.bias = parameters.gnss.clock.bias, .drift = parameters.gnss.clock.drift},
+        .channels = {},
         .fixes = {},
     };
     outputs = {};
@@ -351,10 +392,13 @@ void TruthPlant::sample(const Models& models) {
 // The fix that becomes valid at this IMU sample, and the fixes that appear at it.
 void TruthPlant::receive(const Models& models) {
     if (state_.samples % models.samples_per_fix == 0) {
+        const std::uint64_t number = state_.samples / models.samples_per_fix;
+        models.clock.advance(state_.clock, number);
         const plant::Fix truth = antenna(models);
         if (!models.receiver.lost(truth.time)) {
-            state_.fixes.push(models.receiver.measure(state_.samples / models.samples_per_fix, truth),
-                              state_.samples + models.samples_of_latency);
+            plant::Fix fix = models.receiver.measure(number, truth);
+            fix.channels = models.channel_receiver.measure(number, truth, state_.clock, state_.channels);
+            state_.fixes.push(fix, state_.samples + models.samples_of_latency);
         } else if (log_->listens()) {
             log_->event("fix at " + rules::text(truth.time) + " s lost: gnss.outage");
         }
@@ -381,12 +425,25 @@ void TruthPlant::put_out(const plant::Fix& fix) {
     outputs.gnss.longitude = fix.position.longitude;
     outputs.gnss.height = fix.position.height;
     outputs.gnss.velocity = fix.velocity;
+    auto& channels = outputs.gnss.channel;
+    for (std::size_t i = 0; i < plant::kChannels; ++i) {
+        const plant::Channel& channel = fix.channels[i];
+        const auto row = static_cast<Eigen::Index>(i);
+        channels.valid[i] = channel.satellite != 0;
+        channels.satellite[i] = channel.satellite;
+        channels.pseudorange[row] = channel.pseudorange;
+        channels.range_rate[row] = channel.range_rate;
+        channels.satellite_position.row(row) = channel.satellite_position;
+        channels.satellite_velocity.row(row) = channel.satellite_velocity;
+    }
 }
 
 void TruthPlant::put_out_truth(const Models& models) {
     const plant::Trajectory::State& trajectory = state_.trajectory;
     const EulerAngles attitude = euler_angles(trajectory.kinematics.C_bn);
     const earth::Position position = models.trajectory.position(trajectory);
+    const double since_fix =
+        static_cast<double>(state_.samples % models.samples_per_fix) / parameters.imu.rate;
     outputs.truth = {
         .roll = attitude.roll,
         .pitch = attitude.pitch,
@@ -397,6 +454,8 @@ void TruthPlant::put_out_truth(const Models& models) {
         .velocity = trajectory.kinematics.velocity,
         .gyro_bias = models.gyro.slow_error(state_.gyro, trajectory.time),
         .accelerometer_bias = models.accelerometer.slow_error(state_.accelerometer, trajectory.time),
+        .clock_bias = state_.clock.bias + since_fix * state_.clock.drift,
+        .clock_drift = state_.clock.drift,
     };
 }
 

@@ -1,5 +1,5 @@
-// The TruthPlant component: moves a ship or a parked vehicle and puts out what its IMU and GNSS receiver
-// measure.
+// The TruthPlant component: moves a ship, a parked vehicle or an aircraft and puts out what its IMU and GNSS
+// receiver measure.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,12 @@
 #include "TruthPlant/variables.hpp"
 #include "components/log.hpp"
 #include "components/serialisation.hpp"
+#include "plant/channel_allocation.hpp"
+#include "plant/channel_receiver.hpp"
 #include "plant/fix_queue.hpp"
 #include "plant/gnss_receiver.hpp"
 #include "plant/inertial_sensor.hpp"
+#include "plant/receiver_clock.hpp"
 #include "plant/trajectory.hpp"
 
 namespace truenorth {
@@ -44,6 +47,8 @@ class TruthPlant {
         plant::InertialSensor gyro;
         plant::InertialSensor accelerometer;
         plant::GnssReceiver receiver;
+        plant::ChannelReceiver channel_receiver;
+        plant::ReceiverClock clock;
         std::uint64_t samples_per_fix;
         std::uint64_t samples_of_latency;
     };
@@ -55,11 +60,14 @@ class TruthPlant {
         plant::Trajectory::State trajectory;
         plant::InertialSensor::State gyro;
         plant::InertialSensor::State accelerometer;
+        plant::ReceiverClock::State clock;  // at the last fix, lost ones included
+        plant::ChannelAllocation channels;
         plant::FixQueue fixes;
 
         template <class Archive>
         void serialize(Archive& archive) {
-            archive(initialised, start_time, samples, trajectory, gyro, accelerometer, fixes);
+            archive(initialised, start_time, samples, trajectory, gyro, accelerometer, clock, channels,
+                    fixes);
         }
     };
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "plant/gnss_receiver.hpp"
+#include "plant/fix.hpp"
 
 namespace truenorth::plant {
 

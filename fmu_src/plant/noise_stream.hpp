@@ -23,11 +23,18 @@ enum class NoiseSource : std::uint8_t {
     gnss_velocity = 10,
     gnss_position_outlier = 11,
     gnss_velocity_outlier = 12,
+    gnss_outlier_epoch = 13,
+    gnss_clock = 14,
+    gnss_channel = 15,
+    gnss_pseudorange_outlier = 16,
+    gnss_range_rate_outlier = 17,
 };
 
 class NoiseStream {
   public:
-    NoiseStream(std::uint32_t seed, NoiseSource source) : key_{seed, static_cast<std::uint32_t>(source)} {}
+    // `member`: number of the satellite, for sources that each satellite has for itself.
+    NoiseStream(std::uint32_t seed, NoiseSource source, std::uint32_t member = 0)
+        : key_{seed, static_cast<std::uint32_t>(source) | member << 8U} {}
 
     // Four independent numbers, uniform in (0, 1), a multiple of 2^-33.
     [[nodiscard]] Eigen::Vector4d uniform(std::uint64_t index) const;

@@ -1,0 +1,47 @@
+#include "plant/constellation.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "inertial/earth.hpp"
+
+namespace truenorth::plant {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kRadius = 26560e3;  // [m]
+constexpr double kInclination = 55.0 * kDegree;
+constexpr std::size_t kPerPlane = 4;
+
+// `node`: longitude of the ascending node; `argument`: angle in the orbit from there, growing at
+// `mean_motion`.
+Satellite satellite(double node, double argument, double mean_motion) {
+    const Eigen::Vector3d to_node(std::cos(node), std::sin(node), 0.0);
+    const Eigen::Vector3d across(-std::cos(kInclination) * to_node.y(), std::cos(kInclination) * to_node.x(),
+                                 std::sin(kInclination));  // in the plane, 90 deg ahead of the node
+    const Eigen::Vector3d position = kRadius * (std::cos(argument) * to_node + std::sin(argument) * across);
+    const Eigen::Vector3d inertial_velocity =
+        kRadius * mean_motion * (std::cos(argument) * across - std::sin(argument) * to_node);
+    return {
+        .position = position,
+        .velocity = inertial_velocity - earth::kRate * Eigen::Vector3d::UnitZ().cross(position),
+    };
+}
+
+}  // namespace
+
+std::array<Satellite, kSatellites> constellation(double time) {
+    const double mean_motion = std::sqrt(earth::kGravitationalParameter / (kRadius * kRadius * kRadius));
+    std::array<Satellite, kSatellites> satellites;
+    for (std::size_t i = 0; i < kSatellites; ++i) {
+        const auto plane = static_cast<double>(i / kPerPlane);
+        const auto place = static_cast<double>(i % kPerPlane);
+        satellites[i] = satellite(plane * 60.0 * kDegree - earth::kRate * time,
+                                  (place * 90.0 + plane * 15.0) * kDegree + mean_motion * time, mean_motion);
+    }
+    return satellites;
+}
+
+}  // namespace truenorth::plant
