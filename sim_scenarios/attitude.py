@@ -63,3 +63,11 @@ def misalignment_angles(C_n_computed: Array) -> Array:
     up = np.arctan2(-C[..., 1, 0], C[..., 1, 1])
     angles: Array = np.stack((east, north, up), axis=-1)
     return angles
+
+
+def skew(vector: Array) -> Array:
+    """Cross-product matrices of vectors, shape (..., 3) -> (..., 3, 3)."""
+    matrix = np.zeros((*vector.shape, 3))
+    x, y, z = np.moveaxis(vector, -1, 0)
+    matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x
+    return matrix - np.swapaxes(matrix, -1, -2)

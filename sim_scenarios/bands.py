@@ -17,9 +17,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sim_scenarios.bounds import ARCMIN
 from sim_scenarios.metrics import judge
 from sim_scenarios.simulation import compare
+from sim_scenarios.units import ARCMIN
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]

@@ -21,25 +21,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from sim_scenarios.attitude import skew
+from sim_scenarios.earth import curvature, earth_rate, gravity
 from sim_scenarios.errors import InputError
+from sim_scenarios.units import DEGREE, HOUR, STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
-
-DEGREE = np.pi / 180
-ARCMIN = DEGREE / 60
-HOUR = 3600.0
-STANDARD_GRAVITY = 9.80665  # m/s2
-
-# WGS-84 (NIMA TR8350.2)
-SEMI_MAJOR_AXIS = 6378137.0  # m
-FLATTENING = 1 / 298.257223563
-ECCENTRICITY_2 = FLATTENING * (2 - FLATTENING)
-EARTH_RATE = 7.292115e-5  # rad/s
-EQUATORIAL_GRAVITY = 9.7803253359  # m/s2
-SOMIGLIANA = 1.931852652458e-3
-CENTRIFUGAL_RATIO = 3.449786506841e-3  # w^2 a^2 b / GM
 
 ATTITUDE, VELOCITY, GYRO_BIAS, ACCELEROMETER_BIAS = (slice(i, i + 3) for i in (0, 3, 6, 9))
 STATES = 12
@@ -158,45 +147,6 @@ def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
             variance.append(P.diagonal().copy())
     time = np.concatenate((trajectory.time[:1], trajectory.time[fixes]))
     return Bound(time=time, sigma=np.sqrt(np.array(variance)))
-
-
-def earth_rate(latitude: Array) -> Array:
-    """Earth rate w_ie in ENU [rad/s], shape (n, 3)."""
-    return EARTH_RATE * np.stack((np.zeros_like(latitude), np.cos(latitude), np.sin(latitude)), axis=-1)
-
-
-def gravity(latitude: Array, height: Array) -> Array:
-    """Magnitude of normal gravity [m/s2]: Somigliana, expanded in height (NIMA TR8350.2, eq. 4-3)."""
-    sin2 = np.sin(latitude) ** 2
-    on_ellipsoid = EQUATORIAL_GRAVITY * (1 + SOMIGLIANA * sin2) / np.sqrt(1 - ECCENTRICITY_2 * sin2)
-    ratio = height / SEMI_MAJOR_AXIS
-    slope = 2 * (1 + FLATTENING + CENTRIFUGAL_RATIO - 2 * FLATTENING * sin2)
-    result: Array = on_ellipsoid * (1 - slope * ratio + 3 * ratio**2)
-    return result
-
-
-def curvature(latitude: Array, height: Array) -> Array:
-    """Matrix from velocity (ENU) [m/s] to transport rate w_en (ENU) [rad/s], shape (n, 3, 3)."""
-    meridian, prime_vertical = radii(latitude)
-    matrix = np.zeros((*latitude.shape, 3, 3))
-    matrix[..., 0, 1] = -1 / (meridian + height)
-    matrix[..., 1, 0] = 1 / (prime_vertical + height)
-    matrix[..., 2, 0] = np.tan(latitude) / (prime_vertical + height)
-    return matrix
-
-
-def radii(latitude: ArrayLike) -> tuple[Array, Array]:
-    """Radii of curvature of the ellipsoid [m]: meridian and prime vertical."""
-    root = np.sqrt(1 - ECCENTRICITY_2 * np.sin(latitude) ** 2)
-    return SEMI_MAJOR_AXIS * (1 - ECCENTRICITY_2) / root**3, SEMI_MAJOR_AXIS / root
-
-
-def skew(vector: Array) -> Array:
-    """Cross-product matrices of vectors, shape (..., 3) -> (..., 3, 3)."""
-    matrix = np.zeros((*vector.shape, 3))
-    x, y, z = np.moveaxis(vector, -1, 0)
-    matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x
-    return matrix - np.swapaxes(matrix, -1, -2)
 
 
 def _prior_variance(knowledge: Knowledge) -> Array:

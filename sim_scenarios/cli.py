@@ -17,10 +17,10 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from rich.table import Table
 
 from sim_scenarios import recorded_imu, recording, report, simulation
-from sim_scenarios.bounds import ARCMIN, DEGREE
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.metrics import judge
 from sim_scenarios.scenario import shipped, toml_value
+from sim_scenarios.units import ARCMIN, DEGREE
 
 app = typer.Typer(
     name="truenorth",

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.bounds import ARCMIN
+from sim_scenarios.units import ARCMIN
 
 Array = NDArray[np.float64]
 

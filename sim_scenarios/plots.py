@@ -20,8 +20,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.bounds import ARCMIN, DEGREE, HOUR, STANDARD_GRAVITY
 from sim_scenarios.metrics import chi_square_interval
+from sim_scenarios.units import ARCMIN, DEGREE, HOUR, STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 

@@ -20,8 +20,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from sim_scenarios import plots
-from sim_scenarios.bounds import ARCMIN, DEGREE
 from sim_scenarios.metrics import Verdict, judge
+from sim_scenarios.units import ARCMIN, DEGREE
 
 Array = NDArray[np.float64]
 Draw = Callable[[xr.Dataset], Figure]

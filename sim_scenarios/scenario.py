@@ -25,9 +25,9 @@ from pydantic import (
     model_validator,
 )
 
-from sim_scenarios.bounds import DEGREE, HOUR, STANDARD_GRAVITY
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, PLANT, Fmu, Number, Unit, did_you_mean, load
+from sim_scenarios.units import DEGREE, HOUR, STANDARD_GRAVITY
 
 if sys.version_info >= (3, 11):
     import tomllib

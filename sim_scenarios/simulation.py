@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import attitude, recording
-from sim_scenarios.bounds import Bound, Knowledge, Trajectory, cramer_rao, radii
+from sim_scenarios.bounds import Bound, Knowledge, Trajectory, cramer_rao
 from sim_scenarios.cosimulation import (
     FmuSource,
     Instance,
@@ -27,6 +27,7 @@ from sim_scenarios.cosimulation import (
     connected,
     simulate,
 )
+from sim_scenarios.earth import radii
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu, Number
 from sim_scenarios.scenario import Fmus, Scenario, load_scenario

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim_scenarios.attitude import dcm, euler_angles, misalignment, misalignment_angles, wrap
+from sim_scenarios.attitude import dcm, euler_angles, misalignment, misalignment_angles, skew, wrap
+from sim_scenarios.units import DEGREE
 
-DEGREE = np.pi / 180
 tilts = st.floats(-1.5, 1.5)
 headings = st.floats(0, 2 * np.pi, exclude_max=True)
 horizontal = st.floats(-1.4, 1.4)
@@ -57,3 +57,8 @@ def test_wrap(angle: float) -> None:
     assert -np.pi <= wrapped < np.pi
     assert np.sin(wrapped) == pytest.approx(np.sin(angle), abs=1e-9)
     assert np.cos(wrapped) == pytest.approx(np.cos(angle), abs=1e-9)
+
+
+def test_skew_is_the_cross_product() -> None:
+    a, b = np.random.default_rng(1).standard_normal((2, 5, 3))
+    np.testing.assert_allclose((skew(a) @ b[..., None])[..., 0], np.cross(a, b), atol=1e-15)

@@ -8,9 +8,10 @@ from pyins.error_model import InsErrorModel
 from scipy.linalg import block_diag
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.bounds import ARCMIN, DEGREE, Knowledge, Trajectory, cramer_rao, gravity
+from sim_scenarios.bounds import Knowledge, Trajectory, cramer_rao
 from sim_scenarios.errors import InputError
 from sim_scenarios.simulation import bound
+from sim_scenarios.units import ARCMIN, DEGREE
 
 TIME = np.arange(6001) / 10
 WINDOW = (300.0, 600.0)
@@ -145,13 +146,6 @@ def test_starts_from_the_prior() -> None:
     np.testing.assert_allclose(result.sigma[0, :3], np.array([1, 1, 10]) * DEGREE)
     assert result.time[0] == 0
     assert result.time[1] == pytest.approx(1)
-
-
-def test_gravity_of_the_ellipsoid() -> None:
-    # NIMA TR8350.2: at the equator, at the pole, and 1000 m above the equator
-    latitude = np.array([0.0, np.pi / 2, 0.0])
-    expected = [9.7803253359, 9.8321849378, 9.7803253359 - 3.0877e-3]
-    np.testing.assert_allclose(gravity(latitude, np.array([0.0, 0.0, 1000.0])), expected, atol=1e-6)
 
 
 def test_refuses_what_it_cannot_use() -> None:

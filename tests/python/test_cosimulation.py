@@ -12,12 +12,12 @@ import xarray as xr
 
 import sim_scenarios
 from sim_scenarios.attitude import wrap
-from sim_scenarios.bounds import ARCMIN, DEGREE
 from sim_scenarios.cosimulation import Instance, Order, connected
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmu
 from sim_scenarios.scenario import Fmus, load_scenario
 from sim_scenarios.simulation import initial_values
+from sim_scenarios.units import ARCMIN, DEGREE
 
 EVERY_STEP = {"duration": 20.0, "evaluation.start": 10.0, "recording_period": 0.01}
 SHORT = {"duration": 60.0, "evaluation.start": 30.0}

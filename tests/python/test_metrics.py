@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from scipy.stats import chi2
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.bounds import ARCMIN, DEGREE
 from sim_scenarios.metrics import (
     chi_square_interval,
     claimed_time,
@@ -17,6 +16,7 @@ from sim_scenarios.metrics import (
     judge,
     nis_statistics,
 )
+from sim_scenarios.units import ARCMIN, DEGREE
 
 TIME = np.arange(601.0)
 

@@ -12,7 +12,6 @@ import xarray as xr
 
 import sim_scenarios
 from sim_scenarios import judge
-from sim_scenarios.bounds import ARCMIN
 from sim_scenarios.report import (
     RUN,
     bound_table,
@@ -23,6 +22,7 @@ from sim_scenarios.report import (
     sentence,
 )
 from sim_scenarios.scenario import Fmus
+from sim_scenarios.units import ARCMIN
 
 PNG = b"\x89PNG\r\n\x1a\n"
 VOID = {"meta", "img", "link", "br", "input", "source"}

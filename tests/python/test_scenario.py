@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from sim_scenarios.bounds import DEGREE
 from sim_scenarios.errors import InputError
 from sim_scenarios.scenario import Fmus, load_scenario, shipped, toml_value
+from sim_scenarios.units import DEGREE
 
 SHIPPED = {
     "swaying_ship",

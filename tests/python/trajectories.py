@@ -8,8 +8,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from sim_scenarios.bounds import Trajectory
+from sim_scenarios.units import DEGREE
 
-DEGREE = np.pi / 180
 ZIGZAG = [
     (50, 1),
     (150, -2),
