@@ -15,7 +15,8 @@ from statistics import median
 from typing import Any
 
 from sim_scenarios import simulation
-from sim_scenarios.scenario import Fmus, load_scenario
+from sim_scenarios.fmus import Fmus
+from sim_scenarios.scenario import load_scenario
 
 Call = Callable[..., Any]
 
@@ -74,7 +75,7 @@ def main() -> None:
         "--repetitions", type=int, default=5, help="runs, of which the median counts (default 5)"
     )
     arguments = parser.parse_args()
-    fmus = Fmus.load()
+    fmus = Fmus()
     scenario = load_scenario(arguments.scenario, fmus)
     steps = round(scenario.duration / scenario.communication_step)
     wall = wall_time(arguments.scenario, fmus, arguments.repetitions)

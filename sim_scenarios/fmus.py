@@ -200,6 +200,25 @@ class Fmu:
         return [name for name in self.arrays if self.has_parameter(name)]
 
 
+class Fmus(dict[str, Fmu]):
+    """FMUs by name."""
+
+    def __missing__(self, name: str) -> Fmu:
+        """Load an FMU from where it is installed, when it is first asked for."""
+        self[name] = load(name)
+        return self[name]
+
+    @property
+    def plant(self) -> Fmu:
+        """The FMU that makes the signals."""
+        return self[PLANT]
+
+    @property
+    def filter(self) -> Fmu:
+        """The filter FMU of scenarios that name no other."""
+        return self[ALIGNMENT_FILTER]
+
+
 def load(name: str) -> Fmu:
     """FMU of a name, from the first folder that has it."""
     return Fmu(find(name))

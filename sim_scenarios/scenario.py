@@ -1,17 +1,16 @@
 """Scenario files: what moves, what measures, what filters, how long, and what counts as converged.
 
 A scenario is a TOML file. Parameters of the FMUs stand in its tables `plant` and `filter` under the FMU's own
-names; `compare` names variants of the filter. A quantity is a number in SI units or a text with one of the
-display units that the FMU declares for it ("10 deg", "0.05 deg/h", "1 mg"). Nothing unknown is accepted. A
-file that `extends` a shipped scenario states only what differs; its table `compare` replaces the whole
-comparison.
+names; `filter_fmu` names the filter's FMU, `compare` names variants of the filter. A quantity is a number in
+SI units or a text with one of the display units that the FMU declares for it ("10 deg", "0.05 deg/h",
+"1 mg"). Nothing unknown is accepted. A file that `extends` a shipped scenario states only what differs; its
+table `compare` replaces the whole comparison.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -26,7 +25,7 @@ from pydantic import (
 )
 
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import ALIGNMENT_FILTER, PLANT, Fmu, Number, Unit, did_you_mean, load
+from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number, Unit, did_you_mean
 from sim_scenarios.units import DEGREE, HOUR, STANDARD_GRAVITY
 
 if sys.version_info >= (3, 11):
@@ -44,33 +43,21 @@ EKF_UKF_ROBUST: Final[dict[str, dict[str, Any]]] = {
 """The comparison of Zhou 2011, for scenarios that name no other."""
 
 
-@dataclass(frozen=True)
-class Fmus:
-    """The FMUs that a scenario connects."""
-
-    plant: Fmu
-    filter: Fmu
-
-    @classmethod
-    def load(cls) -> Fmus:
-        """The FMUs from where they are installed."""
-        return cls(load(PLANT), load(ALIGNMENT_FILTER))
-
-    def unit(self, name: str) -> Unit:
-        """A unit, as the FMUs declare it."""
-        return self.filter.units.get(name) or self.plant.units.get(name) or Unit(name)
+Parts = Mapping[str, Fmu]
+"""The FMUs that a scenario connects, by the table of their parameters: plant, filter."""
 
 
 def _quantity(unit: str) -> BeforeValidator:
     def to_si(given: object, info: ValidationInfo) -> float:
-        return _fmus(info).unit(unit).to_si(given)
+        declared = (fmu.units[unit] for fmu in _parts(info).values() if unit in fmu.units)
+        return next(declared, Unit(unit)).to_si(given)
 
     return BeforeValidator(to_si)
 
 
-def _parameters_of(which: str) -> BeforeValidator:
+def _parameters_of(part: str) -> BeforeValidator:
     def resolve(given: object, info: ValidationInfo) -> dict[str, Number]:
-        fmu: Fmu = getattr(_fmus(info), which)
+        fmu = _parts(info)[part]
         values: dict[str, Number] = {}
         for name, value in _dotted(given):
             values |= fmu.assignments(name, value)
@@ -79,9 +66,9 @@ def _parameters_of(which: str) -> BeforeValidator:
     return BeforeValidator(resolve)
 
 
-def _fmus(info: ValidationInfo) -> Fmus:
-    fmus: Fmus = (info.context or {})["fmus"]
-    return fmus
+def _parts(info: ValidationInfo) -> Parts:
+    parts: Parts = (info.context or {})["parts"]
+    return parts
 
 
 def _dotted(table: object, prefix: str = "") -> Iterator[tuple[str, object]]:
@@ -151,6 +138,7 @@ class Scenario(Table):
     initial_error: InitialError = InitialError()
     evaluation: Evaluation = Evaluation()
     bound: Prior = Prior()
+    filter_fmu: str = ALIGNMENT_FILTER
     plant: PlantParameters = {}
     filter: FilterParameters = {}
     compare: dict[str, FilterParameters] = Field(default={})
@@ -193,7 +181,7 @@ def load_scenario(
     name : str or Path
         Name of a shipped scenario, or path of a TOML file.
     fmus : Fmus
-        The FMUs whose parameters and units the file uses.
+        They have the FMUs whose parameters and units the file uses.
     seed : int, optional
         Seed of the plant.
     settings : mapping, optional
@@ -205,12 +193,18 @@ def load_scenario(
     Scenario
     """
     path = scenario_path(name)
-    table = {"name": path.stem, "compare": EKF_UKF_ROBUST, **_read(path)}
-    _check(table, fmus, path)
-    overridden = _overridden(
-        table, fmus, {**(settings or {}), **({} if seed is None else {"plant.seed": seed})}
-    )
-    return _check(overridden, fmus, "the settings")
+    table = {"name": path.stem, **_read(path)}
+    overriding = {**(settings or {}), **({} if seed is None else {"plant.seed": seed})}
+    if "filter_fmu" in overriding:  # decides what the other entries may be
+        table["filter_fmu"] = overriding.pop("filter_fmu")
+    filter_fmu = str(table.get("filter_fmu", ALIGNMENT_FILTER))
+    table.setdefault("compare", EKF_UKF_ROBUST if filter_fmu == ALIGNMENT_FILTER else {})
+    try:
+        parts = {"plant": fmus.plant, "filter": fmus[filter_fmu]}
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    _check(table, parts, path)
+    return _check(_overridden(table, parts, overriding), parts, "the settings")
 
 
 def scenario_path(name: str | Path) -> Path:
@@ -267,9 +261,9 @@ def toml_value(text: str) -> object:
         return text.strip()
 
 
-def _check(table: Mapping[str, Any], fmus: Fmus, where: Path | str) -> Scenario:
+def _check(table: Mapping[str, Any], parts: Parts, where: Path | str) -> Scenario:
     try:
-        return Scenario.model_validate(table, context={"fmus": fmus})
+        return Scenario.model_validate(table, context={"parts": parts})
     except ValidationError as error:
         raise InputError("\n".join(_sentence(where, e) for e in error.errors())) from None
 
@@ -295,18 +289,18 @@ def _entries(location: tuple[str | int, ...]) -> list[str]:
     return list(model.model_fields)
 
 
-def _overridden(table: Mapping[str, Any], fmus: Fmus, settings: Mapping[str, object]) -> dict[str, Any]:
+def _overridden(table: Mapping[str, Any], parts: Parts, settings: Mapping[str, object]) -> dict[str, Any]:
     """Scenario table with settings put where they belong; a filter's parameter goes to every variant."""
     own = {key: value for key, value in table.items() if key not in ("plant", "filter", "compare")}
     plant, filter_ = dict(_dotted(table.get("plant", {}))), dict(_dotted(table.get("filter", {})))
     compare = {label: dict(_dotted(variant)) for label, variant in table["compare"].items()}
     for name, value in settings.items():
-        owner, parameter = _owner(name, fmus)
+        owner, parameter = _owner(name, parts)
         if owner == "plant":
-            _put(plant, fmus.plant, parameter, value)
+            _put(plant, parts["plant"], parameter, value)
         elif owner == "filter":
             for values in (filter_, *compare.values()):
-                _put(values, fmus.filter, parameter, value)
+                _put(values, parts["filter"], parameter, value)
         else:
             own = _with_entry(own, parameter.split("."), value)
     return {**own, "plant": plant, "filter": filter_, "compare": compare}
@@ -319,19 +313,19 @@ def _put(values: dict[str, object], fmu: Fmu, name: str, value: object) -> None:
     values[name] = value
 
 
-def _owner(name: str, fmus: Fmus) -> tuple[str, str]:
+def _owner(name: str, parts: Parts) -> tuple[str, str]:
     """Which part of a scenario a setting belongs to (plant, filter, scenario), and its name there."""
-    owners = [which for which in ("plant", "filter") if getattr(fmus, which).has_parameter(name)]
+    owners = [part for part, fmu in parts.items() if fmu.has_parameter(name)]
     if len(owners) > 1:
         raise InputError(f"both FMUs have a parameter {name}; say plant.{name} or filter.{name}")
     if owners:
         return owners[0], name
     prefix, _, rest = name.partition(".")
-    if prefix in ("plant", "filter"):
+    if prefix in parts:
         return prefix, rest
     if prefix in Scenario.model_fields and prefix not in ("name", "compare"):
         return "scenario", name
-    known = [*fmus.plant.parameter_names(), *fmus.filter.parameter_names(), *Scenario.model_fields]
+    known = [*(p for fmu in parts.values() for p in fmu.parameter_names()), *Scenario.model_fields]
     raise InputError(f"the setting {name}: no FMU has such a parameter{did_you_mean(name, known)}")
 
 

@@ -29,8 +29,8 @@ from sim_scenarios.cosimulation import (
 )
 from sim_scenarios.earth import radii
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import Fmu, Number
-from sim_scenarios.scenario import Fmus, Scenario, load_scenario
+from sim_scenarios.fmus import Fmu, Fmus, Number
+from sim_scenarios.scenario import Scenario, load_scenario
 
 Array = NDArray[np.float64]
 
@@ -72,14 +72,14 @@ def run(
     progress : callable
         Called with the completed share.
     fmus : Fmus, optional
-        The FMUs, to load them once for many runs.
+        Those that are loaded already, to load them once for many runs.
 
     Returns
     -------
     xarray.Dataset
         See `recording`; `metrics.judge` gives the verdict on it.
     """
-    fmus = fmus or Fmus.load()
+    fmus = fmus or Fmus()
     loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
     return recording.of_filter(
         run_filters(loaded, fmus, {"filter": loaded.filter}, order, progress), "filter"
@@ -98,7 +98,7 @@ def compare(
 
     Parameters as for `run`. Select one filter of the result with `.sel(filter="UKF")`.
     """
-    fmus = fmus or Fmus.load()
+    fmus = fmus or Fmus()
     loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
     if not loaded.compare:
         raise InputError(f"{scenario}: compare: names no filter")
@@ -116,7 +116,7 @@ def bound(
 
     Parameters as for `run`.
     """
-    fmus = fmus or Fmus.load()
+    fmus = fmus or Fmus()
     loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
     times = _times(loaded.duration, loaded.recording_period)
     with ExitStack() as stack:
@@ -146,7 +146,7 @@ def run_filters(
         messages = [
             m for instance in (source.instance, *(s.instance for s in sinks)) for m in instance.messages
         ]
-    data = recording.dataset(recorded, list(filters), fmus.filter, fmus.plant)
+    data = recording.dataset(recorded, list(filters), fmus[scenario.filter_fmu], fmus.plant)
     data.attrs = _attributes(scenario, fmus, messages)
     assert recorded.truth is not None
     trajectory = _trajectory(recorded.time, recorded.truth.columns())
@@ -157,12 +157,13 @@ def connect(
     scenario: Scenario, fmus: Fmus, filters: Mapping[str, Mapping[str, Number]], stack: ExitStack
 ) -> tuple[FmuSource, list[Sink]]:
     """Plant and filters, initialised and connected; the stack closes them."""
+    filter_fmu = fmus[scenario.filter_fmu]
     plant = _plant(scenario, fmus, stack)
-    source = FmuSource(plant, connected(fmus.plant.outputs(), fmus.filter))
+    source = FmuSource(plant, connected(fmus.plant.outputs(), filter_fmu))
     start = initial_values(scenario, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
     sinks = []
     for label, values in filters.items():
-        instance = stack.enter_context(closing(Instance(fmus.filter, label, {**values, **start})))
+        instance = stack.enter_context(closing(Instance(filter_fmu, label, {**values, **start})))
         instance.begin_initialisation(0.0, scenario.duration)
         sinks.append(Sink(instance, source))
         sinks[-1].receive()
@@ -185,7 +186,7 @@ def record(
         _times(scenario.duration, scenario.communication_step),
         record_every=_whole(scenario.recording_period, scenario.communication_step, "recording_period"),
         source_outputs=[name for name in fmus.plant.outputs() if name.startswith("truth.")],
-        fix_outputs=recording.fix_outputs(fmus.filter),
+        fix_outputs=recording.fix_outputs(fmus[scenario.filter_fmu]),
         order=order,
         progress=progress,
     )
@@ -286,11 +287,12 @@ def _with_bound(data: xr.Dataset, bound: Bound, scenario: Scenario) -> xr.Datase
 def _attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ()) -> dict[str, str | float]:
     """What made a data set, and how to judge it."""
     window = scenario.evaluation
+    plant, filter_fmu = fmus.plant, fmus[scenario.filter_fmu]
     return {
         "scenario": scenario.name,
         "description": scenario.description,
         "notes": scenario.notes,
-        "seed": int(scenario.plant.get("seed", fmus.plant.start("seed"))),
+        "seed": int(scenario.plant.get("seed", plant.start("seed"))),
         "duration": scenario.duration,
         "communication_step": scenario.communication_step,
         "evaluation.start": window.start,
@@ -298,13 +300,13 @@ def _attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ()
         "evaluation.heading_limit": window.heading_limit,
         "settings": json.dumps(
             {
-                "plant": _readable(scenario.plant, fmus.plant),
-                "filter": _readable(scenario.filter, fmus.filter),
+                "plant": _readable(scenario.plant, plant),
+                "filter": _readable(scenario.filter, filter_fmu),
             }
         ),
-        "filters": json.dumps({k: _readable(v, fmus.filter) for k, v in scenario.filters().items()}),
+        "filters": json.dumps({k: _readable(v, filter_fmu) for k, v in scenario.filters().items()}),
         "versions": json.dumps(
-            {"truenorth": _version(), **{fmu.name: fmu.guid for fmu in (fmus.plant, fmus.filter)}}
+            {"truenorth": _version(), **{fmu.name: fmu.guid for fmu in (plant, filter_fmu)}}
         ),
         "messages": json.dumps([str(message) for message in messages]),
     }

@@ -7,14 +7,14 @@ import xarray as xr
 
 import sim_scenarios
 from sim_scenarios.errors import InputError
-from sim_scenarios.scenario import Fmus
+from sim_scenarios.fmus import ALIGNMENT_FILTER, PLANT, Fmus, load
 
 
 @pytest.fixture(scope="session")
 def fmus() -> Fmus:
-    """Both FMUs; tests that need them fail without them."""
+    """Plant and filter; tests that need them fail without them."""
     try:
-        return Fmus.load()
+        return Fmus({name: load(name) for name in (PLANT, ALIGNMENT_FILTER)})
     except InputError as error:
         pytest.fail(str(error), pytrace=False)
 

@@ -3,7 +3,8 @@
 import pytest
 
 from sim_scenarios.bands import CHECKS, Check, heading_rmse, rows
-from sim_scenarios.scenario import Fmus, load_scenario
+from sim_scenarios.fmus import Fmus
+from sim_scenarios.scenario import load_scenario
 
 
 def test_rows_are_root_mean_squares_over_runs() -> None:

@@ -5,7 +5,7 @@ import time
 import pytest
 
 from sim_scenarios.benchmark import Clock, shares
-from sim_scenarios.scenario import Fmus
+from sim_scenarios.fmus import Fmus
 
 
 def test_clock_adds_up() -> None:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from pyins.strapdown import Integrator
 
 from sim_scenarios.cosimulation import FmuSource, Instance, Port, Sink, Table, connected
-from sim_scenarios.scenario import Fmus, load_scenario
+from sim_scenarios.fmus import Fmus
+from sim_scenarios.scenario import load_scenario
 from sim_scenarios.simulation import TRUTH, initial_values
 
 Array = NDArray[np.float64]

@@ -13,8 +13,9 @@ from sim_scenarios import Start, ZeroVelocity
 from sim_scenarios.attitude import dcm
 from sim_scenarios.cosimulation import Instance, Port
 from sim_scenarios.errors import InputError
+from sim_scenarios.fmus import Fmus
 from sim_scenarios.recorded_imu import level, read_recording, signals_of_imu
-from sim_scenarios.scenario import Fmus, load_scenario
+from sim_scenarios.scenario import load_scenario
 from sim_scenarios.units import ARCMIN, DEGREE
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "parked_vehicle_rlg.csv.gz"

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 import sim_scenarios
-from sim_scenarios.scenario import Fmus
+from sim_scenarios.fmus import Fmus
 
 
 def test_round_trip(ship: xr.Dataset, tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import xarray as xr
 
 import sim_scenarios
 from sim_scenarios import judge
+from sim_scenarios.fmus import Fmus
 from sim_scenarios.report import (
     RUN,
     bound_table,
@@ -21,7 +22,6 @@ from sim_scenarios.report import (
     report_run,
     sentence,
 )
-from sim_scenarios.scenario import Fmus
 from sim_scenarios.units import ARCMIN
 
 PNG = b"\x89PNG\r\n\x1a\n"

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from sim_scenarios.errors import InputError
-from sim_scenarios.scenario import Fmus, load_scenario, shipped, toml_value
+from sim_scenarios.fmus import Fmus
+from sim_scenarios.scenario import load_scenario, shipped, toml_value
 from sim_scenarios.units import DEGREE
 
 SHIPPED = {
@@ -72,6 +73,15 @@ def test_a_scenario_that_names_no_filters_compares_ekf_ukf_and_robust_ukf(tmp_pa
     assert list(load_scenario(written(tmp_path, ""), fmus).compare) == ["EKF", "UKF", "robust UKF"]
 
 
+def test_a_scenario_names_its_filter(tmp_path: Path, fmus: Fmus) -> None:
+    both = Fmus({**fmus, "Other": fmus.filter})
+    path = written(tmp_path, 'filter_fmu = "Other"\n[filter]\nrobust.gamma = 3.0')
+    scenario = load_scenario(path, both)
+    assert (scenario.filter_fmu, scenario.filter, scenario.compare) == ("Other", {"robust.gamma": 3.0}, {})
+    assert load_scenario("waves", both).filter_fmu == fmus.filter.name == "AlignmentFilter"
+    assert load_scenario("waves", both, settings={"filter_fmu": "Other"}).filter_fmu == "Other"
+
+
 def test_extending_replaces_entries_and_the_whole_comparison(tmp_path: Path, fmus: Fmus) -> None:
     path = written(tmp_path, 'extends = "zigzag"\n[plant]\ngnss.rate = 5.0\n[compare."only"]\n')
     scenario, base = load_scenario(path, fmus), load_scenario("zigzag", fmus)
@@ -112,6 +122,7 @@ def test_extending_replaces_entries_and_the_whole_comparison(tmp_path: Path, fmu
         ("[evaluation]\nstart = 500.0\nstop = 400.0", "evaluation.start must be .* before evaluation.stop"),
         ("plant = 3", "mine.toml: plant: '3' is not a table"),
         ("plant = [", "mine.toml: not valid TOML"),
+        ("filter_fmu = 'Teapot'", "mine.toml: Teapot.fmu is not in .*; run `make fmus`"),
         ('extends = "zigzig"', "mine.toml: extends: there is no scenario 'zigzig'; did you mean 'zigzag'"),
     ],
 )

@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import Fmu, Unit, find, search_path
-from sim_scenarios.scenario import Fmus
+from sim_scenarios.fmus import Fmu, Fmus, Unit, find, search_path
 
 DEG = Unit("rad", {"deg": (57.29577951308232, 0.0)})
 FAHRENHEIT = Unit("K", {"degF": (1.8, -459.67)})
