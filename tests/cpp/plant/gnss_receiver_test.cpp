@@ -105,6 +105,24 @@ TEST(GnssReceiver, OutliersLeaveTheNoiseAsItWas) {
     }
 }
 
+TEST(GnssReceiver, AnOutlierEpochIsCountedInSigmasAndLeavesTheNoiseAsItWas) {
+    GnssReceiver::Errors errors;
+    errors.position_sigma = {3.0, 4.0, 10.0};
+    errors.velocity_sigma = {0.1, 0.2, 0.3};
+    errors.noise_scale = {.step_factor = 2.0, .step = {.begin = 0.0, .end = 1.0}, .sine = {}};
+    const GnssReceiver clean(errors, 1);
+    errors.outlier_epochs = {.probability = 1.0, .channel_probability = 1.0, .least = 20.0, .largest = 20.0};
+    const GnssReceiver dirty(errors, 1);
+    for (std::uint64_t k = 1; k <= 100; ++k) {
+        const Fix one = clean.measure(k, truth(0.0));
+        const Fix other = dirty.measure(k, truth(0.0));
+        const Eigen::Vector3d position = position_error(other) - position_error(one);
+        const Eigen::Vector3d velocity = velocity_error(other) - velocity_error(one);
+        EXPECT_LT((position.cwiseAbs() - 40.0 * errors.position_sigma).norm(), 1e-6);
+        EXPECT_LT((velocity.cwiseAbs() - 40.0 * errors.velocity_sigma).norm(), 1e-12);
+    }
+}
+
 // Jing 2023, eq. 21.
 TEST(GnssReceiver, TheNoiseFollowsItsProfile) {
     const NoiseScale jing{

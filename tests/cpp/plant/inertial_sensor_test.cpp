@@ -70,6 +70,22 @@ TEST(InertialSensor, TheBiasStepsInTheMiddleOfASample) {
     EXPECT_LT((measured[3] - kPeriod * errors.bias_step).norm(), 1e-17);
 }
 
+TEST(InertialSensor, ABiasStepOfLimitedDurationEnds) {
+    InertialSensor::Errors errors;
+    errors.bias_step = {1.0, 2.0, 3.0};
+    errors.bias_step_time = 0.0175;
+    errors.bias_step_duration = 0.02;
+    const auto measured = measure(errors, 1, 6, Eigen::Vector3d::Zero());
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& increment : measured) {
+        sum += increment;
+    }
+    EXPECT_LT((sum - 0.02 * errors.bias_step).norm(), 1e-15);
+    EXPECT_LT((measured[2] - kPeriod * errors.bias_step).norm(), 1e-16);
+    EXPECT_LT((measured[3] - 0.0075 * errors.bias_step).norm(), 1e-16);
+    EXPECT_LT(measured[4].norm(), 1e-16);
+}
+
 TEST(InertialSensor, SlowErrorIsWhatTheIncrementsShow) {
     InertialSensor::Errors errors;
     errors.bias = {0.1, 0.2, -0.3};
@@ -77,6 +93,7 @@ TEST(InertialSensor, SlowErrorIsWhatTheIncrementsShow) {
     errors.markov_sigma = 0.05;
     errors.bias_step = {1.0, 2.0, 3.0};
     errors.bias_step_time = 0.5;
+    errors.bias_step_duration = 0.25;
     const InertialSensor sensor(errors, kPeriod, streams(3));
     InertialSensor::State state = sensor.begin();
     for (int k = 1; k <= 100; ++k) {
