@@ -33,9 +33,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import recording
-from sim_scenarios.cosimulation import Instance, Progress, RecordedSource, Sink, connected, simulate
+from sim_scenarios.cosimulation import Progress, RecordedSource, Sink, connected, simulate
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Number, did_you_mean, load
+from sim_scenarios.instance import Instance
 from sim_scenarios.units import DEGREE
 
 Array = NDArray[np.float64]

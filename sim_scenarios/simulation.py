@@ -14,22 +14,11 @@ from numpy.typing import NDArray
 
 from sim_scenarios import attitude, recording
 from sim_scenarios.bounds import Bound, Knowledge, Trajectory, cramer_rao
-from sim_scenarios.cosimulation import (
-    FmuSource,
-    Instance,
-    Message,
-    Order,
-    Port,
-    Progress,
-    Recorded,
-    Sink,
-    Table,
-    connected,
-    simulate,
-)
+from sim_scenarios.cosimulation import FmuSource, Order, Progress, Recorded, Sink, Table, connected, simulate
 from sim_scenarios.earth import radii
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu, Fmus, Number
+from sim_scenarios.instance import Instance, Message, Port
 from sim_scenarios.scenario import Scenario, load_scenario
 
 Array = NDArray[np.float64]

@@ -12,9 +12,10 @@ import xarray as xr
 
 import sim_scenarios
 from sim_scenarios.attitude import wrap
-from sim_scenarios.cosimulation import Instance, Order, connected
+from sim_scenarios.cosimulation import Order, connected
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmu, Fmus
+from sim_scenarios.instance import Instance
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.simulation import initial_values
 from sim_scenarios.units import ARCMIN, DEGREE

@@ -14,8 +14,9 @@ import pytest
 from numpy.typing import NDArray
 from pyins.strapdown import Integrator
 
-from sim_scenarios.cosimulation import FmuSource, Instance, Port, Sink, Table, connected
+from sim_scenarios.cosimulation import FmuSource, Sink, Table, connected
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.instance import Instance, Port
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.simulation import TRUTH, initial_values
 
