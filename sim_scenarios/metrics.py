@@ -127,12 +127,24 @@ def heading_rmse(time: Array, error: Array, start: float, stop: float) -> float:
     return float(np.sqrt(np.mean(wrap(_window(time, error, start, stop)) ** 2)))
 
 
-def convergence_time(time: Array, error: Array, limit: float) -> float | None:
-    """First time from which the wrapped error stays within +-limit until the end; None if it does not."""
-    outside = np.flatnonzero(np.abs(wrap(error)) > limit)
-    if len(outside) == 0:
-        return float(time[0])
-    return float(time[outside[-1] + 1]) if outside[-1] + 1 < len(time) else None
+def holds_since(time: Array, condition: NDArray[np.bool_]) -> float | None:
+    """Time from which a condition holds until the end; None if it does not hold there.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s]
+    condition : ndarray of bool, shape (n,)
+        Whether it holds at each time.
+
+    Returns
+    -------
+    float or None
+        [s]
+    """
+    broken = np.flatnonzero(~condition)
+    first = broken[-1] + 1 if len(broken) else 0
+    return float(time[first]) if first < len(time) else None
 
 
 def nis_statistics(nis: Array, channels: int) -> NisStatistics:
@@ -174,21 +186,13 @@ def judge(run: xr.Dataset) -> Verdict:
         heading_largest=float(np.max(np.abs(inside))),
         heading_end=float(error[-1]),
         heading_sigma=float(np.sqrt(np.mean(_window(time, run["heading_sigma"].values, start, stop) ** 2))),
-        convergence_time=convergence_time(time, error, limit),
-        claimed_time=claimed_time(time, run["converged"].values),
+        convergence_time=holds_since(time, np.abs(error) <= limit),
+        claimed_time=holds_since(time, run["converged"].values),
         bound=float(run.attrs["bound.heading_rms"]),
         nis=nis_statistics(run["nis"].values[used], run["innovation"].shape[-1]),
         used_fixes=int(run["fix_used"].sum()),
         rejected_fixes=int(run["rejected_fixes"].values[-1]) if run.sizes["fix"] else 0,
     )
-
-
-def claimed_time(time: Array, converged: NDArray[np.bool_]) -> float | None:
-    """Time from which a filter reports "converged" until the end; None if it does not."""
-    not_yet = np.flatnonzero(~converged.astype(bool))
-    if len(not_yet) == 0:
-        return float(time[0])
-    return float(time[not_yet[-1] + 1]) if not_yet[-1] + 1 < len(time) else None
 
 
 def _window(time: Array, values: Array, start: float, stop: float) -> Array:

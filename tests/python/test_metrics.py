@@ -7,12 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import chi2
 
-from sim_scenarios.attitude import wrap
 from sim_scenarios.metrics import (
     chi_square_interval,
-    claimed_time,
-    convergence_time,
     heading_rmse,
+    holds_since,
     judge,
     nis_statistics,
 )
@@ -37,29 +35,23 @@ def test_rmse_needs_samples() -> None:
         heading_rmse(TIME, TIME, 700, 800)
 
 
-def test_convergence_time_is_the_last_entry() -> None:
-    error = np.exp(-TIME / 100)
-    error[250] = 1.0
-    assert convergence_time(TIME, error, np.exp(-2.0)) == 251
-    assert convergence_time(TIME, error, 2.0) == 0
-    assert convergence_time(TIME, np.ones(601), 0.5) is None
+def test_a_condition_holds_since_it_was_last_broken() -> None:
+    assert holds_since(TIME, TIME >= 200) == 200
+    assert holds_since(TIME, (TIME >= 200) & (TIME != 400)) == 401
+    assert holds_since(TIME, TIME >= 0) == 0
+    assert holds_since(TIME, TIME < 300) is None
+    assert holds_since(TIME, TIME < 600) is None
 
 
-@given(st.lists(st.floats(-3, 3), min_size=1, max_size=30), st.floats(0.01, 3))
-def test_convergence_time_holds_what_it_says(errors: list[float], limit: float) -> None:
-    time, error = np.arange(len(errors), dtype=float), wrap(errors)
-    found = convergence_time(time, error, limit)
+@given(st.lists(st.booleans(), min_size=1, max_size=30))
+def test_holds_since_keeps_its_word(flags: list[bool]) -> None:
+    time, condition = np.arange(len(flags), dtype=float), np.array(flags)
+    found = holds_since(time, condition)
     if found is None:
-        assert abs(error[-1]) > limit
+        assert not condition[-1]
     else:
-        assert np.all(np.abs(error[time >= found]) <= limit)
-        assert found == 0 or abs(error[int(found) - 1]) > limit
-
-
-def test_claimed_time() -> None:
-    assert claimed_time(TIME, TIME >= 200) == 200
-    assert claimed_time(TIME, (TIME >= 200) & (TIME != 400)) == 401
-    assert claimed_time(TIME, TIME < 300) is None
+        assert np.all(condition[time >= found])
+        assert found == 0 or not condition[int(found) - 1]
 
 
 @pytest.mark.parametrize("degrees", [1, 2, 60, 1200])
