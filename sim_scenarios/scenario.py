@@ -24,9 +24,10 @@ from pydantic import (
     model_validator,
 )
 
+from sim_scenarios.bounds import Knowledge
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number, Unit, did_you_mean
-from sim_scenarios.units import DEGREE, HOUR, STANDARD_GRAVITY
+from sim_scenarios.units import DEGREE
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -119,11 +120,11 @@ class Evaluation(Table):
 class Prior(Table):
     """Prior knowledge that the Cramer-Rao bound assumes (science of the scenario, not belief of a filter)."""
 
-    tilt_sigma: Angle = 1.0 * DEGREE
-    heading_sigma: Angle = 10.0 * DEGREE
-    velocity_sigma: Velocity = 0.15
-    gyro_bias_sigma: AngularRate = 0.05 * DEGREE / HOUR
-    accelerometer_bias_sigma: Acceleration = 1e-3 * STANDARD_GRAVITY
+    tilt_sigma: Angle = Knowledge.tilt_sigma
+    heading_sigma: Angle = Knowledge.heading_sigma
+    velocity_sigma: Velocity = Knowledge.velocity_sigma
+    gyro_bias_sigma: AngularRate = Knowledge.gyro_bias_sigma
+    accelerometer_bias_sigma: Acceleration = Knowledge.accelerometer_bias_sigma
 
 
 class Scenario(Table):

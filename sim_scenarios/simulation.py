@@ -149,7 +149,7 @@ def connect(
     filter_fmu = fmus[scenario.filter_fmu]
     plant = _plant(scenario, fmus, stack)
     source = FmuSource(plant, connected(fmus.plant.outputs(), filter_fmu))
-    start = initial_values(scenario, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
+    start = initial_values(scenario, fmus.plant, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
     sinks = []
     for label, values in filters.items():
         instance = stack.enter_context(closing(Instance(filter_fmu, label, {**values, **start})))
@@ -181,13 +181,13 @@ def record(
     )
 
 
-def initial_values(scenario: Scenario, truth: Mapping[str, Number]) -> dict[str, float]:
+def initial_values(scenario: Scenario, plant: Fmu, truth: Mapping[str, Number]) -> dict[str, float]:
     """What the coarse alignment hands to the filter: the truth with the initial error of the scenario.
 
     The computed attitude is C_b^{n'} = C_n^{n'}(phi) C_b^n.
     """
     error = scenario.initial_error
-    draws = np.random.default_rng([DRAWS, int(scenario.plant.get("seed", 1))]).standard_normal((2, 3))
+    draws = np.random.default_rng([DRAWS, int(_value(scenario, plant, "seed"))]).standard_normal((2, 3))
     phi = np.array(error.misalignment) + draws[0] * error.misalignment_sigma
     C_bn = attitude.dcm(truth["truth.roll"], truth["truth.pitch"], truth["truth.heading"])
     roll, pitch, heading = attitude.euler_angles(attitude.misalignment(phi) @ C_bn)
@@ -212,15 +212,10 @@ def knowledge(scenario: Scenario, plant: Fmu) -> Knowledge:
     """What the bound of a scenario knows: its prior, and the white noise of the plant."""
 
     def value(name: str) -> float:
-        return float(scenario.plant.get(name, plant.start(name)))
+        return float(_value(scenario, plant, name))
 
-    prior = scenario.bound
     return Knowledge(
-        tilt_sigma=prior.tilt_sigma,
-        heading_sigma=prior.heading_sigma,
-        velocity_sigma=prior.velocity_sigma,
-        gyro_bias_sigma=prior.gyro_bias_sigma,
-        accelerometer_bias_sigma=prior.accelerometer_bias_sigma,
+        **scenario.bound.model_dump(),
         angle_random_walk=value("imu.gyro.white_noise"),
         velocity_random_walk=value("imu.accelerometer.white_noise"),
         gnss_velocity_sigma=(
@@ -230,6 +225,11 @@ def knowledge(scenario: Scenario, plant: Fmu) -> Knowledge:
         ),
         gnss_rate=value("gnss.rate"),
     )
+
+
+def _value(scenario: Scenario, plant: Fmu, name: str) -> Number:
+    """Value of a parameter of the plant: the scenario's, else the FMU's own."""
+    return scenario.plant.get(name, plant.start(name))
 
 
 def _plant(scenario: Scenario, fmus: Fmus, stack: ExitStack) -> Instance:
@@ -281,7 +281,7 @@ def _attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ()
         "scenario": scenario.name,
         "description": scenario.description,
         "notes": scenario.notes,
-        "seed": int(scenario.plant.get("seed", plant.start("seed"))),
+        "seed": int(_value(scenario, plant, "seed")),
         "duration": scenario.duration,
         "communication_step": scenario.communication_step,
         "evaluation.start": window.start,

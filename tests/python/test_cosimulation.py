@@ -113,9 +113,8 @@ def test_initial_errors_of_velocity_and_position_and_draws(fmus: Fmus) -> None:
     def start(**errors: object) -> dict[str, float]:
         settings = {f"initial_error.{name}": value for name, value in errors.items()}
         zero = {"initial_error.misalignment": [0, 0, 0]}
-        return initial_values(
-            load_scenario("swaying_ship", fmus, seed=7, settings={**zero, **settings}), truth
-        )
+        scenario = load_scenario("swaying_ship", fmus, seed=7, settings={**zero, **settings})
+        return initial_values(scenario, fmus.plant, truth)
 
     assert start() == pytest.approx({name.replace("truth", "initial"): v for name, v in truth.items()})
     moved = start(velocity=[1, 2, 3], position=[100, 200, 30])

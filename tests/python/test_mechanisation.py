@@ -6,7 +6,7 @@ pyins integrates the same increments in its own frames (NED, forward-right-down)
 
 from __future__ import annotations
 
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 
 import numpy as np
 import pandas as pd
@@ -14,16 +14,18 @@ import pytest
 from numpy.typing import NDArray
 from pyins.strapdown import Integrator
 
-from sim_scenarios.cosimulation import FmuSource, Sink, Table, connected
+from sim_scenarios.attitude import wrap
+from sim_scenarios.cosimulation import Table
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.instance import Instance, Port
+from sim_scenarios.instance import Port
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.simulation import TRUTH, initial_values
+from sim_scenarios.simulation import TRUTH, connect
+from sim_scenarios.units import ARCMIN
 
 Array = NDArray[np.float64]
 DURATION = 600.0
 STEP = 0.01
-ARCSEC = np.pi / 180 / 3600
+ARCSEC = ARCMIN / 60
 INCREMENTS = tuple(f"imu.{kind}[{i}]" for kind in ("delta_angle", "delta_velocity") for i in (1, 2, 3))
 NAVIGATION = tuple(name.replace("truth.", "nav.") for name in TRUTH)
 IDEAL = {
@@ -45,17 +47,9 @@ def signals(request: pytest.FixtureRequest, fmus: Fmus) -> tuple[dict[str, Array
     scenario = load_scenario(request.param, fmus, settings=IDEAL)
     steps = round(DURATION / STEP)
     with ExitStack() as stack:
-        plant = stack.enter_context(closing(Instance(fmus.plant, "plant", scenario.plant)))
-        plant.begin_initialisation(0.0, DURATION)
-        plant.finish_initialisation()
-        source = FmuSource(plant, connected(fmus.plant.outputs(), fmus.filter))
-        start = initial_values(scenario, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
-        instance = stack.enter_context(closing(Instance(fmus.filter, "filter", {**scenario.filter, **start})))
-        instance.begin_initialisation(0.0, DURATION)
-        sink = Sink(instance, source)
-        instance.finish_initialisation()
-        plant_table = Table(Port(plant, (*INCREMENTS, *TRUTH)), steps + 1)
-        filter_table = Table(Port(instance, (*NAVIGATION, "used_fixes")), steps + 1)
+        source, (sink,) = connect(scenario, fmus, {"filter": scenario.filter}, stack)
+        plant_table = Table(Port(source.instance, (*INCREMENTS, *TRUTH)), steps + 1)
+        filter_table = Table(Port(sink.instance, (*NAVIGATION, "used_fixes")), steps + 1)
         plant_table.append()
         filter_table.append()
         for k in range(steps):
@@ -72,17 +66,13 @@ def vectors(table: dict[str, Array], name: str) -> Array:
     return np.column_stack([table[f"{name}[{i}]"] for i in (1, 2, 3)])
 
 
-def wrapped(angle: Array) -> Array:
-    return (angle + np.pi) % (2 * np.pi) - np.pi
-
-
 def test_the_filter_mechanises_as_exactly_as_the_plant_moves(
     signals: tuple[dict[str, Array], dict[str, Array]],
 ) -> None:
     plant, navigation = signals
     assert navigation["used_fixes"][-1] == 0
     for angle in ("roll", "pitch", "heading"):
-        error = wrapped(navigation[f"nav.{angle}"] - plant[f"truth.{angle}"])
+        error = wrap(navigation[f"nav.{angle}"] - plant[f"truth.{angle}"])
         assert np.abs(error).max() < 1e-3 * ARCSEC, angle
     error = vectors(navigation, "nav.velocity") - vectors(plant, "truth.velocity")
     assert np.abs(error).max() < 1e-5
@@ -128,7 +118,7 @@ def test_pyins_agrees(signals: tuple[dict[str, Array], dict[str, Array]]) -> Non
     trajectory = Integrator(pva).integrate(increments)
 
     for angle_name in ("roll", "pitch", "heading"):
-        error = wrapped(np.deg2rad(trajectory[angle_name].to_numpy()) - plant[f"truth.{angle_name}"])
+        error = wrap(np.deg2rad(trajectory[angle_name].to_numpy()) - plant[f"truth.{angle_name}"])
         assert np.abs(error).max() < 1e-3 * ARCSEC, angle_name
     for column, expected in (("VN", north), ("VE", east), ("VD", -up)):
         assert np.abs(trajectory[column].to_numpy() - expected).max() < 1e-5, column
