@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,9 @@ from sim_scenarios.recorded_imu import level, read_recording, signals_of_imu
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.units import ARCMIN, DEGREE
 
-REAL = Path(__file__).parents[3] / "shared" / "data" / "parked_vehicle_rlg.csv.gz"
+ROOT = Path(__file__).parents[2]
+RECORDINGS = Path(os.environ.get("TRUENORTH_RECORDINGS", ROOT.parent / "shared" / "data"))
+REAL = RECORDINGS / "parked_vehicle_rlg.csv.gz"
 SITE = (34.246048, 108.909664, 380.0)
 GOOD_SENSORS = {
     "prior.gyro_bias_sigma": "0.02 deg/h",
@@ -106,7 +109,7 @@ def test_a_parked_vehicle_finds_its_heading(fmus: Fmus, tmp_path: Path) -> None:
     assert bool(run["converged"].values[-1])
 
 
-@pytest.mark.skipif(not REAL.exists(), reason=f"the recording {REAL.name} is not beside the checkout")
+@pytest.mark.skipif(not REAL.exists(), reason=f"no {REAL.name} in the folder TRUENORTH_RECORDINGS")
 def test_the_real_recording_comes_to_its_heading(fmus: Fmus) -> None:
     run = sim_scenarios.replay(
         REAL, Start(100.6 * DEGREE), zero_velocity=ZeroVelocity(SITE), set=GOOD_SENSORS, fmu=fmus.filter

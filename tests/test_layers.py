@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 SOURCES = ROOT / "fmu_src"
 MAY_INCLUDE = {
     "inertial": {"inertial"},
