@@ -261,7 +261,8 @@ def replay_recording(
     seed: Annotated[  # noqa: ARG001
         int | None,
         typer.Option(
-            help="Accepted as by every command; a recording has no random streams.", show_default=False
+            help="Accepted as by `run`, without effect: a recording has no random streams.",
+            show_default=False,
         ),
     ] = None,
     set_: Settings = None,

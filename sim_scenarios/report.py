@@ -163,7 +163,7 @@ def comparison_table(verdicts: Mapping[str, Verdict]) -> list[list[str]]:
     rows = [
         [
             "Filter",
-            "RMSE ['] ",
+            "RMSE [']",
             "/ bound",
             "mean [']",
             "largest [']",
