@@ -1,9 +1,9 @@
 """Monte-Carlo runs against the bands that the filters must keep: python -m sim_scenarios.bands -n 50.
 
 The figure of a filter is the root mean square of its heading error over runs and over 300 to 600 s. A band is
-what an independent prototype of the filters found for the scenario, about plus and minus three standard
-deviations of that figure for 50 runs; fewer runs scatter more. Seeds are 1 to n. Prints a table in Markdown;
-the exit code is 1 when a band is missed.
+the figure of an independent prototype of the filters with about three standard deviations, of such a figure
+of 50 runs, on either side; fewer runs scatter more. Where a filter is meant to fail, its band is open above.
+Seeds are 1 to n. Prints a table in Markdown; the exit code is 1 when a band is missed.
 """
 
 from __future__ import annotations
@@ -91,9 +91,8 @@ def rows(check: Check, runs: list[dict[str, float]]) -> Iterator[Row]:
     each = {label: np.array([run[label] for run in runs]) for label in runs[0]}
     total = {label: float(np.sqrt(np.mean(values**2))) for label, values in each.items()}
     for label, band in check.bands.items():
-        yield Row(
-            check.scenario, label, total[label], (float(each[label].min()), float(each[label].max())), band
-        )
+        spread = float(each[label].min()), float(each[label].max())
+        yield Row(check.scenario, label, total[label], spread, band)
     for (label, reference), band in check.ratios.items():
         yield Row(check.scenario, f"{label} / {reference}", total[label] / total[reference], None, band)
 

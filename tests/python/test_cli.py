@@ -160,3 +160,5 @@ def test_help_teaches_with_examples(command: str) -> None:
     assert result.exit_code == 0
     assert "For example" in result.stdout
     assert f"truenorth {command}" in result.stdout
+    for option in ("--output", "--seed", "--set", "--json"):
+        assert option in result.stdout
