@@ -142,7 +142,7 @@ plant::Ship ship(const Parameters::Motion& motion) {
     for (std::size_t i = 0; i < ship.turns.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
         ship.turns[i] = {
-            .change = motion.turn.angle[row],
+            .angle = motion.turn.angle[row],
             .begin = motion.turn.begin[row],
             .duration = motion.turn.duration[row],
         };

@@ -2,12 +2,15 @@
 
 #include <cmath>
 
+#include "plant/transition.hpp"
+
 namespace truenorth::plant {
 
 Kinematics Ship::at(double time) const {
     double course_now = course;
     double course_rate = 0.0;
-    for (const Transition& turn : turns) {
+    for (const auto& [angle, begin, duration] : turns) {
+        const Transition turn{.change = angle, .begin = begin, .duration = duration};
         course_now += turn.value(time);
         course_rate += turn.rate(time);
     }

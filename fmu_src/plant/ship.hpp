@@ -6,16 +6,22 @@
 
 #include "plant/kinematics.hpp"
 #include "plant/oscillation.hpp"
-#include "plant/transition.hpp"
 
 namespace truenorth::plant {
+
+// A change of course, smooth from begin to end.
+struct Turn {
+    double angle = 0.0;     // positive clockwise [rad]
+    double begin = 0.0;     // [s]
+    double duration = 1.0;  // [s]
+};
 
 struct Ship {
     double course = 0.0;  // before all turns, clockwise from north [rad]
     double speed = 0.0;   // [m/s]
     Oscillation sway;     // roll, pitch, yaw [rad]; yaw is counter-clockwise: heading = course - yaw
     Oscillation wave;     // velocity east, north, up [m/s]
-    std::array<Transition, 8> turns{};  // of the course, positive clockwise [rad]
+    std::array<Turn, 8> turns{};
 
     [[nodiscard]] Kinematics at(double time) const;
 };

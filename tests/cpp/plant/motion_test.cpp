@@ -12,8 +12,8 @@ namespace {
 
 Ship turning_ship() {
     Ship ship = swaying_ship();
-    ship.turns[0] = {.change = 90.0 * kDegree, .begin = 10.0, .duration = 60.0};
-    ship.turns[1] = {.change = -40.0 * kDegree, .begin = 50.0, .duration = 30.0};
+    ship.turns[0] = {.angle = 90.0 * kDegree, .begin = 10.0, .duration = 60.0};
+    ship.turns[1] = {.angle = -40.0 * kDegree, .begin = 50.0, .duration = 30.0};
     return ship;
 }
 

@@ -16,7 +16,7 @@ constexpr earth::Position kStart{.latitude = 32.0 * kDegree, .longitude = 118.0 
 
 Ship turning_ship() {
     Ship ship = swaying_ship();
-    ship.turns[0] = {.change = 90.0 * kDegree, .begin = 2.0, .duration = 60.0};
+    ship.turns[0] = {.angle = 90.0 * kDegree, .begin = 2.0, .duration = 60.0};
     return ship;
 }
 
