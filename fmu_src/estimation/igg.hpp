@@ -26,9 +26,9 @@ class Igg {
     double k1 = 8.0;
 
     // Guard against lock-out: a prediction that has gone astray makes every good measurement look like an
-    // outlier, for ever. An epoch is bad if a channel loses all its weight in it. After `patience`
-    // consecutive bad ones the adaptive factor, which blames the prediction, takes over until an epoch that
-    // is not bad.
+    // outlier, for ever. An epoch is bad if any of its channels loses weight; outliers make one or two in
+    // succession. After `patience` consecutive bad ones the adaptive factor, which blames the prediction,
+    // takes over until an epoch that is not bad.
     int patience = 5;
     AdaptiveFactor guard;
 
@@ -43,7 +43,7 @@ class Igg {
     template <int N, int M>
     Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
         const Vector<M> weights = innovation.standardised().unaryExpr([this](double u) { return weight(u); });
-        const bool bad = (weights.array() == 0.0).any();
+        const bool bad = (weights.array() < 1.0).any();
         if (!bad) {
             bad_epochs_ = 0;
         } else if (bad_epochs_ == patience) {
@@ -67,6 +67,8 @@ class Igg {
         correction.weight = correction.weight.cwiseProduct(weights);
         return correction;
     }
+
+    void restart() { bad_epochs_ = 0; }
 
     template <class Archive>
     void serialize(Archive& archive) {
