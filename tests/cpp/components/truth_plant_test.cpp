@@ -9,6 +9,7 @@
 #include <numbers>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -52,6 +53,18 @@ void switch_everything_on(Parameters& parameters) {
     parameters.gnss.lever_arm = {1.0, 2.0, 3.0};
     parameters.gnss.velocity_outlier.probability = 0.3;
     parameters.gnss.position_outlier.probability = 0.3;
+    parameters.motion.segment.duration.head<3>() = Eigen::Vector3d(1.0, 2.0, 1.5);
+    parameters.motion.segment.acceleration[0] = 3.0;
+    parameters.motion.segment.climb_angle[1] = 0.1;
+    parameters.motion.segment.turn_angle[2] = -0.4;
+    parameters.imu.accelerometer.bias_step.setConstant(1e-2);
+    parameters.imu.accelerometer.bias_step_time = 1.0;
+    parameters.imu.accelerometer.bias_step_duration = 1.5;
+    parameters.gnss.outlier_epoch.probability = 0.3;
+    parameters.gnss.pseudorange_outlier.probability = 0.3;
+    parameters.gnss.range_rate_outlier.probability = 0.3;
+    parameters.gnss.satellite_limit = {.count = 3, .begin = 2.0, .end = 4.0};
+    parameters.gnss.clock = {.bias = 300.0, .drift = 5.0, .bias_noise = 1.0, .drift_noise = 0.1};
 }
 
 void make_perfect(Parameters& parameters) {
@@ -61,6 +74,8 @@ void make_perfect(Parameters& parameters) {
     parameters.imu.accelerometer.white_noise = 0.0;
     parameters.gnss.position_sigma.setZero();
     parameters.gnss.velocity_sigma.setZero();
+    parameters.gnss.pseudorange_sigma = 0.0;
+    parameters.gnss.range_rate_sigma = 0.0;
 }
 
 std::string bytes(const Outputs& outputs) {
@@ -153,6 +168,51 @@ TEST_F(TruthPlantTest, TheParkedVehicleVibratesWithTheAccelerationDeclared) {
     plant_.initialise(0.0);
     run(plant_, 0, 10, 10);  // the integral of 0.3 sin(10 pi t) over its positive half wave
     EXPECT_NEAR(plant_.outputs.imu.delta_velocity.x(), 2.0 * 0.3 / (10.0 * std::numbers::pi), 1e-8);
+}
+
+TEST_F(TruthPlantTest, AFlightFliesItsSegments) {
+    Parameters& parameters = plant_.parameters;
+    make_perfect(parameters);
+    parameters.motion.kind = MotionKind::flight;
+    parameters.motion.course = 0.5;
+    parameters.motion.speed = 60.0;
+    parameters.motion.height = 300.0;
+    parameters.motion.segment.duration.head<4>() = Eigen::Vector4d(10.0, 5.0, 20.0, 5.0);
+    parameters.motion.segment.acceleration[0] = 4.0;
+    parameters.motion.segment.climb_angle.segment<2>(1).setConstant(0.1);
+    parameters.motion.segment.turn_angle[2] = 1.0;
+    plant_.initialise(0.0);
+    const auto& truth = plant_.outputs.truth;
+    EXPECT_NEAR(truth.velocity.norm(), 60.0, 1e-12);
+    run(plant_, 0, 1000, 100);
+    EXPECT_LT((truth.velocity - 100.0 * Eigen::Vector3d(std::sin(0.5), std::cos(0.5), 0.0)).norm(), 1e-12);
+    run(plant_, 1000, 2500, 100);
+    EXPECT_NEAR(truth.pitch, 0.1, 1e-14);
+    EXPECT_NEAR(truth.heading, 1.0, 1e-14);  // half-way in the turn
+    const double course_rate = 1.875 * 1.0 / 20.0;
+    EXPECT_NEAR(truth.roll, std::atan(100.0 * course_rate / earth::kStandardGravity), 1e-14);
+    run(plant_, 2500, 4000, 100);
+    EXPECT_NEAR(truth.heading, 1.5, 1e-14);
+    EXPECT_NEAR(truth.pitch, 0.0, 1e-14);
+    // The mean climb angle while the nose goes up and down is half of 0.1 rad.
+    EXPECT_NEAR(truth.height, 300.0 + 100.0 * std::sin(0.1) * (2.5 + 20.0 + 2.5), 0.5);
+}
+
+TEST_F(TruthPlantTest, AnAccelerometerFaultBeginsAndEnds) {
+    Parameters& parameters = plant_.parameters;
+    make_perfect(parameters);
+    parameters.imu.accelerometer.bias_step = {0.0, 0.05 * earth::kStandardGravity, 0.0};
+    parameters.imu.accelerometer.bias_step_time = 10.0;
+    parameters.imu.accelerometer.bias_step_duration = 30.0;
+    plant_.initialise(0.0);
+    const auto forward = [&](int from, int to) {
+        run(plant_, from, to, 100);
+        return plant_.outputs.truth.accelerometer_bias.y();
+    };
+    EXPECT_EQ(forward(0, 1000), 0.0);
+    EXPECT_EQ(forward(1000, 1100), 0.05 * earth::kStandardGravity);
+    EXPECT_EQ(forward(1100, 4000), 0.05 * earth::kStandardGravity);
+    EXPECT_EQ(forward(4000, 4100), 0.0);
 }
 
 TEST_F(TruthPlantTest, TruthBiasesAreWhatTheIncrementsShow) {
@@ -275,6 +335,90 @@ TEST_F(TruthPlantTest, TheAntennaIsAtTheEndOfTheLeverArm) {
     EXPECT_LT((gnss.velocity - truth.velocity - swing).norm(), 1e-4);  // the transport rate is 2e-6 rad/s
 }
 
+// ---------------------------------------------------------------- GNSS channels
+
+int valid_channels(const Outputs& outputs) {
+    return static_cast<int>(std::ranges::count(outputs.gnss.channel.valid, true));
+}
+
+TEST_F(TruthPlantTest, ChannelsComeWithTheFirstFix) {
+    plant_.initialise(0.0);
+    run(plant_, 0, 99);
+    EXPECT_EQ(valid_channels(plant_.outputs), 0);
+    run(plant_, 99, 100);
+    EXPECT_GE(valid_channels(plant_.outputs), 4);
+    const auto& channel = plant_.outputs.gnss.channel;
+    for (std::size_t i = 0; i < channel.valid.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        EXPECT_EQ(channel.valid[i], channel.satellite[i] >= 1 && channel.satellite[i] <= 24);
+        EXPECT_EQ(channel.valid[i], channel.pseudorange[row] > 19e6 && channel.pseudorange[row] < 26e6);
+        EXPECT_EQ(channel.valid[i], std::abs(channel.satellite_position.row(row).norm() - 26560e3) < 1e-6);
+    }
+}
+
+// Four satellites and more, without noise, place the antenna and tell the clock bias: least squares by
+// Gauss-Newton in Earth-fixed axes, from the centre of the Earth.
+TEST_F(TruthPlantTest, PseudorangesPlaceTheAntennaAndTellTheClockBias) {
+    Parameters& parameters = plant_.parameters;
+    make_perfect(parameters);
+    parameters.gnss.latency = 0.2;
+    parameters.gnss.lever_arm = {1.0, 2.0, 30.0};
+    parameters.gnss.clock.bias = 1000.0;
+    parameters.gnss.clock.drift = 10.0;
+    plant_.initialise(0.0);
+    run(plant_, 0, 520);
+    const auto& gnss = plant_.outputs.gnss;
+    Eigen::Vector4d solution = Eigen::Vector4d::Zero();  // antenna, clock bias
+    for (int iteration = 0; iteration < 20; ++iteration) {
+        Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+        Eigen::Vector4d right = Eigen::Vector4d::Zero();
+        for (std::size_t i = 0; i < gnss.channel.valid.size(); ++i) {
+            if (gnss.channel.valid[i]) {
+                const auto row = static_cast<Eigen::Index>(i);
+                const Eigen::Vector3d sight =
+                    gnss.channel.satellite_position.row(row).transpose() - solution.head<3>();
+                const Eigen::Vector4d gradient(-sight.x() / sight.norm(), -sight.y() / sight.norm(),
+                                               -sight.z() / sight.norm(), 1.0);
+                normal += gradient * gradient.transpose();
+                right += gradient * (gnss.channel.pseudorange[row] - sight.norm() - solution[3]);
+            }
+        }
+        solution += normal.inverse() * right;
+    }
+    const double N = earth::radii(gnss.latitude).prime_vertical;
+    const double from_axis = (N + gnss.height) * std::cos(gnss.latitude);
+    const Eigen::Vector3d antenna(
+        from_axis * std::cos(gnss.longitude), from_axis * std::sin(gnss.longitude),
+        (N * (1.0 - earth::kEccentricity2) + gnss.height) * std::sin(gnss.latitude));
+    EXPECT_EQ(gnss.time, 5.0);
+    EXPECT_LT((solution.head<3>() - antenna).norm(), 1e-5);
+    EXPECT_NEAR(solution[3], 1000.0 + 10.0 * 5.0, 1e-5);
+}
+
+TEST_F(TruthPlantTest, TheTrueClockRunsOnBetweenTheFixes) {
+    plant_.parameters.gnss.clock.bias = 7.0;
+    plant_.parameters.gnss.clock.drift = 2.0;
+    plant_.initialise(3.0);
+    const auto& truth = plant_.outputs.truth;
+    EXPECT_EQ(truth.clock_bias, 7.0);
+    for (int k = 0; k < 250; ++k) {
+        plant_.step(3.0 + k / 100.0, 0.01);
+        ASSERT_NEAR(truth.clock_bias, 7.0 + 2.0 * (k + 1) / 100.0, 1e-12);
+        ASSERT_EQ(truth.clock_drift, 2.0);
+    }
+}
+
+TEST_F(TruthPlantTest, FewSatellitesAreReceivedWhileALimitLasts) {
+    plant_.parameters.gnss.satellite_limit = {.count = 3, .begin = 3.0, .end = 6.0};
+    plant_.initialise(0.0);
+    for (int second = 1; second <= 8; ++second) {
+        run(plant_, 100 * (second - 1), 100 * second);
+        const bool few = second >= 3 && second < 6;
+        EXPECT_EQ(valid_channels(plant_.outputs) == 3, few) << "t = " << second;
+        EXPECT_EQ(plant_.outputs.gnss.sample, second);
+    }
+}
+
 // ---------------------------------------------------------------- determinism
 
 // Sums of the delta angles and delta velocities of single IMU periods.
@@ -288,13 +432,14 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> summed_increments(TruthPlant& plant,
     return sums;
 }
 
-class LongerSteps : public TruthPlantTest, public testing::WithParamInterface<int> {};
+class LongerSteps : public TruthPlantTest, public testing::WithParamInterface<std::tuple<MotionKind, int>> {};
 
 TEST_P(LongerSteps, SumTheSameSignals) {
-    const int periods = GetParam();
+    const auto [kind, periods] = GetParam();
     TruthPlant fine(log_);
     switch_everything_on(fine.parameters);
-    switch_everything_on(plant_.parameters);
+    fine.parameters.motion.kind = kind;
+    plant_.parameters = fine.parameters;
     fine.initialise(0.0);
     plant_.initialise(0.0);
     for (int k = 0; k < 600; k += periods) {
@@ -309,10 +454,12 @@ TEST_P(LongerSteps, SumTheSameSignals) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Periods, LongerSteps, testing::Values(2, 5, 10));
+INSTANTIATE_TEST_SUITE_P(Periods, LongerSteps,
+                         testing::Combine(testing::Values(MotionKind::ship, MotionKind::flight),
+                                          testing::Values(2, 5, 10)));
 
 TEST_F(TruthPlantTest, ARestoredPlantContinuesToTheBit) {
-    for (const MotionKind kind : {MotionKind::ship, MotionKind::parked_vehicle}) {
+    for (const MotionKind kind : {MotionKind::ship, MotionKind::parked_vehicle, MotionKind::flight}) {
         TruthPlant original(log_);
         switch_everything_on(original.parameters);
         original.parameters.motion.kind = kind;
@@ -381,6 +528,28 @@ TEST_F(TruthPlantTest, SwitchingOffTheGyroNoiseChangesNothingElse) {
         ASSERT_EQ(bytes(rest), bytes(plant_.outputs));
     }
     EXPECT_NE(quiet.outputs.imu.delta_angle, plant_.outputs.imu.delta_angle);
+}
+
+TEST_F(TruthPlantTest, ChannelsAndTheirClockChangeNothingElse) {
+    TruthPlant plain(log_);
+    switch_everything_on(plant_.parameters);
+    switch_everything_on(plain.parameters);
+    plain.parameters.gnss.pseudorange_sigma = 0.0;
+    plain.parameters.gnss.range_rate_outlier.probability = 0.0;
+    plain.parameters.gnss.satellite_limit.count = 0;
+    plain.parameters.gnss.clock = {};
+    plant_.initialise(0.0);
+    plain.initialise(0.0);
+    for (int k = 0; k < 500; ++k) {
+        run(plant_, k, k + 1);
+        run(plain, k, k + 1);
+        Outputs rest = plain.outputs;
+        rest.gnss.channel = plant_.outputs.gnss.channel;
+        rest.truth.clock_bias = plant_.outputs.truth.clock_bias;
+        rest.truth.clock_drift = plant_.outputs.truth.clock_drift;
+        ASSERT_EQ(bytes(rest), bytes(plant_.outputs));
+    }
+    EXPECT_NE(bytes(plain.outputs), bytes(plant_.outputs));
 }
 
 TEST_F(TruthPlantTest, NoiseLevelsCanBeTunedBetweenSteps) {
@@ -489,6 +658,26 @@ INSTANTIATE_TEST_SUITE_P(
                 "gnss.noise_scale.step.end = 1: must be at least gnss.noise_scale.step.begin (600)"},
         Refusal{[](Parameters& p) { p.gnss.noise_scale.sine.end = 1.0; },
                 "gnss.noise_scale.sine.end = 1: must be at least gnss.noise_scale.sine.begin (2400)"},
+        Refusal{[](Parameters& p) { p.gnss.outlier_epoch.largest = 5.0; },
+                "gnss.outlier_epoch.largest = 5: must be at least gnss.outlier_epoch.least (10)"},
+        Refusal{[](Parameters& p) { p.gnss.satellite_limit.begin = 5.0; },
+                "gnss.satellite_limit.end = 0: must be at least gnss.satellite_limit.begin (5)"},
+        Refusal{[](Parameters& p) { p.gnss.satellite_limit.count = 13; },
+                "gnss.satellite_limit.count = 13: must be at most 12"},
+        Refusal{[](Parameters& p) {
+                    p.motion.kind = MotionKind::flight;
+                    p.motion.segment.duration[3] = 2.0;
+                    p.motion.segment.acceleration[3] = -5.5;
+                },
+                "motion.segment.acceleration[4] = -5.5: must be at least what stops the aircraft (-5)"},
+        Refusal{[](Parameters& p) {
+                    p.motion.kind = MotionKind::flight;
+                    p.motion.speed = 100.0;
+                    p.motion.segment.duration.head<2>().setConstant(2.0);
+                    p.motion.segment.climb_angle[0] = 0.2;
+                },
+                "motion.segment.climb_angle[2] = 0: must be reached in more than motion.segment.duration[2] "
+                "(2): the push-over would be weightless"},
         Refusal{[](Parameters& p) {
                     p.imu.rate = 10.0;
                     p.motion.sway.period[1] = 0.2;
@@ -505,6 +694,17 @@ INSTANTIATE_TEST_SUITE_P(
                     p.motion.vibration.frequency[0] = 50.0;
                 },
                 "motion.vibration.frequency[1] = 50: must be less than half of imu.rate (50)"}));
+
+TEST_F(TruthPlantTest, AnAircraftMayStopAndStandStill) {
+    Parameters& parameters = plant_.parameters;
+    parameters.motion.kind = MotionKind::flight;
+    parameters.motion.speed = 10.0;
+    parameters.motion.segment.duration.head<3>().setConstant(30.0);
+    parameters.motion.segment.acceleration.head<2>() = Eigen::Vector2d(3.1, -(10.0 + 93.0) / 30.0);
+    plant_.initialise(0.0);
+    EXPECT_NO_THROW(run(plant_, 0, 10000, 100));
+    EXPECT_LT(plant_.outputs.truth.velocity.norm(), 1e-12);
+}
 
 TEST_F(TruthPlantTest, OscillationsThatAreOffMayHaveAnyPeriod) {
     plant_.parameters.imu.rate = 1.0;
