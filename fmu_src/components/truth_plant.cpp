@@ -76,7 +76,10 @@ void check_flight(const Parameters::Motion& motion) {
                           "at least " + with_value("what stops the aircraft", -speed / duration[i]));
         }
         const plant::Transition push_over{
-            .change = std::min(0.0, climb_angle[i] - climb), .begin = 0.0, .duration = duration[i]};
+            .change = std::min(0.0, climb_angle[i] - climb),
+            .begin = 0.0,
+            .duration = duration[i],
+        };
         const double steepest = std::max(std::abs(climb), std::abs(climb_angle[i]));
         if (std::max(speed, speed_after) * push_over.peak_rate() >=
             earth::kStandardGravity * std::cos(steepest)) {

@@ -36,10 +36,11 @@ std::array<Satellite, kSatellites> constellation(double time) {
     const double mean_motion = std::sqrt(earth::kGravitationalParameter / (kRadius * kRadius * kRadius));
     std::array<Satellite, kSatellites> satellites;
     for (std::size_t i = 0; i < kSatellites; ++i) {
-        const auto plane = static_cast<double>(i / kPerPlane);
-        const auto place = static_cast<double>(i % kPerPlane);
-        satellites[i] = satellite(plane * 60.0 * kDegree - earth::kRate * time,
-                                  (place * 90.0 + plane * 15.0) * kDegree + mean_motion * time, mean_motion);
+        const std::size_t plane = i / kPerPlane;
+        const double node = 60.0 * kDegree * static_cast<double>(plane);
+        const double argument =
+            90.0 * kDegree * static_cast<double>(i % kPerPlane) + 15.0 * kDegree * static_cast<double>(plane);
+        satellites[i] = satellite(node - earth::kRate * time, argument + mean_motion * time, mean_motion);
     }
     return satellites;
 }

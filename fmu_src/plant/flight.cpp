@@ -33,7 +33,8 @@ Flight::Flight(const Track& start, const std::array<Segment, kSegments>& segment
             .course = track.course + change.course,
         };
     }
-    legs_[last_] = {.begin = begin, .from = track, .speed = {}, .climb_angle = {}, .course = {}};
+    legs_[last_].begin = begin;
+    legs_[last_].from = track;
 }
 
 const Flight::Leg& Flight::leg(double time) const {
