@@ -1,0 +1,119 @@
+#include "estimation/corrector.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+
+#include "estimation/random_measurement.hpp"
+#include "estimation/saved_state.hpp"
+
+namespace truenorth {
+namespace {
+
+using Any = Corrector<kStates, kChannels>;
+using Method = Any::Method;
+constexpr std::array kMethods{Method::standard, Method::h_infinity, Method::igg, Method::adaptive_factor,
+                              Method::variational_bayes};
+
+class AnyCorrector : public testing::TestWithParam<unsigned> {};
+
+TEST_P(AnyCorrector, GivesSoundCorrections) {
+    for (const Method method : kMethods) {
+        for (const double size : {0.3, 1.0, 5.0, 30.0}) {
+            RandomCovariance random(GetParam());
+            Any corrector;
+            corrector.method = method;
+            corrector.gate.enabled = false;
+            for (int i = 0; i < 100; ++i) {
+                const RandomMeasurement c(random, size);
+                auto innovation = c.innovation();
+                if (i % 3 == 0) innovation.remove(i % kChannels);
+                const auto correction = corrector.correct(c.P, innovation);
+                EXPECT_TRUE(is_sound(correction)) << static_cast<int>(method) << ' ' << size << ' ' << i;
+                for (int j = 0; j < kChannels; ++j) {
+                    EXPECT_TRUE(innovation.present(j) || correction.weight(j) == 0.0);
+                }
+            }
+        }
+    }
+}
+
+TEST_P(AnyCorrector, IsTheStandardOneAtItsNeutralSetting) {
+    for (const Method method : kMethods) {
+        RandomCovariance random(GetParam());
+        Any corrector;
+        corrector.method = method;
+        corrector.gate.enabled = false;
+        corrector.h_infinity.gamma = std::numeric_limits<double>::infinity();
+        corrector.igg.k0 = 10.0;
+        corrector.igg.k1 = 11.0;
+        corrector.adaptive_factor.threshold = 100.0;
+        corrector.variational_bayes.iterations = 0;
+        for (int i = 0; i < 200; ++i) {
+            const RandomMeasurement c(random, 1.0);
+            const auto correction = corrector.correct(c.P, c.innovation());
+            EXPECT_TRUE(same_estimate(correction, Standard().correct(c.P, c.innovation())));
+            EXPECT_EQ(correction.alpha, 1.0);
+            EXPECT_EQ(correction.gamma_effective, std::numeric_limits<double>::infinity());
+        }
+    }
+}
+
+TEST_P(AnyCorrector, WithDefaultsDiffersFromTheStandardOneWhenProvoked) {
+    for (const Method method : kMethods) {
+        RandomCovariance random(GetParam());
+        Any corrector;
+        corrector.method = method;
+        corrector.gate.enabled = false;
+        const RandomMeasurement c(random, 30.0);
+        const auto standard = Standard().correct(c.P, c.innovation());
+        EXPECT_EQ(same_estimate(corrector.correct(c.P, c.innovation()), standard),
+                  method == Method::standard);
+    }
+}
+
+TEST_P(AnyCorrector, StandsBehindTheGate) {
+    for (const Method method : kMethods) {
+        RandomCovariance random(GetParam());
+        Any corrector;
+        corrector.method = method;
+        const RandomMeasurement c(random, 1.0);
+        corrector.correct(c.P, c.innovation());
+        const auto before = SavedState::of(corrector);
+
+        auto beyond = c.innovation();
+        beyond.residual *= 1e3;
+        ASSERT_GT(nis(beyond), corrector.gate.threshold_for(kChannels));
+        const auto correction = corrector.correct(c.P, beyond);
+        EXPECT_FALSE(correction.used());
+        EXPECT_EQ(correction.deviation, Vector<kStates>::Zero());
+        EXPECT_EQ(correction.covariance, c.P);
+        EXPECT_EQ(SavedState::of(corrector), before);
+    }
+}
+
+TEST_P(AnyCorrector, GoesOnFromASavedState) {
+    for (const Method method : kMethods) {
+        RandomCovariance random(GetParam());
+        Any original;
+        original.method = method;
+        original.gate.enabled = false;
+        for (int i = 0; i < 7; ++i) {
+            const RandomMeasurement c(random, 5.0);
+            original.correct(c.P, c.innovation());
+        }
+        Any restored;
+        restored.method = method;
+        restored.gate.enabled = false;
+        SavedState::restore(restored, SavedState::of(original));
+        const RandomMeasurement c(random, 5.0);
+        EXPECT_TRUE(
+            same_estimate(restored.correct(c.P, c.innovation()), original.correct(c.P, c.innovation())));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, AnyCorrector, testing::Values(91U, 9191U));
+
+}  // namespace
+}  // namespace truenorth
