@@ -53,4 +53,23 @@ Eigen::Vector3d displacement(const Position& from, const Position& to) {
         (to.latitude - from.latitude) * (meridian + from.height), to.height - from.height};
 }
 
+Eigen::Vector3d ecef(const Position& position) {
+    const double prime_vertical = radii(position.latitude).prime_vertical;
+    const double from_axis = (prime_vertical + position.height) * std::cos(position.latitude);
+    return {from_axis * std::cos(position.longitude), from_axis * std::sin(position.longitude),
+            ((1.0 - kEccentricity2) * prime_vertical + position.height) * std::sin(position.latitude)};
+}
+
+Eigen::Matrix3d C_en(const Position& position) {
+    const double sin_latitude = std::sin(position.latitude);
+    const double cos_latitude = std::cos(position.latitude);
+    const double sin_longitude = std::sin(position.longitude);
+    const double cos_longitude = std::cos(position.longitude);
+    Eigen::Matrix3d C;
+    C << -sin_longitude, cos_longitude, 0.0,                                         //
+        -sin_latitude * cos_longitude, -sin_latitude * sin_longitude, cos_latitude,  //
+        cos_latitude * cos_longitude, cos_latitude * sin_longitude, sin_latitude;
+    return C;
+}
+
 }  // namespace truenorth::earth

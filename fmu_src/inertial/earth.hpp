@@ -55,4 +55,9 @@ Position displaced(const Position& position, const Eigen::Vector3d& displacement
 // Small vector in n [m] that leads from `from` to `to` (first order; longitudes wrap).
 Eigen::Vector3d displacement(const Position& from, const Position& to);
 
+// Earth-fixed Cartesian coordinates (ECEF) of a position [m], and the matrix that turns Earth-fixed
+// components into ENU ones there.
+Eigen::Vector3d ecef(const Position& position);
+Eigen::Matrix3d C_en(const Position& position);
+
 }  // namespace truenorth::earth

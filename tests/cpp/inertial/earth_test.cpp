@@ -138,5 +138,18 @@ TEST(Displaced, WrapsTheLongitudeAtTheDateLine) {
     }
 }
 
+// The example of pymap3d's own tests: 42 N, 82 W, 200 m, and a point seen from there 70 degrees high, 33
+// degrees from north, 1000 m away.
+TEST(Ecef, IsThatOfPymap3d) {
+    constexpr double degree = std::numbers::pi / 180.0;
+    const Position observer{.latitude = 42.0 * degree, .longitude = -82.0 * degree, .height = 200.0};
+    const Eigen::Vector3d expected(660675.2518247, -4700948.68316, 4245737.66222);
+    EXPECT_LT((ecef(observer) - expected).norm(), 1e-5);
+
+    const Eigen::Vector3d seen(660930.192761, -4701424.222957, 4246579.604633);
+    const Eigen::Vector3d enu(186.277521, 286.842228, 939.692621);
+    EXPECT_LT((C_en(observer) * (seen - expected) - enu).norm(), 1e-5);
+}
+
 }  // namespace
 }  // namespace truenorth::earth
