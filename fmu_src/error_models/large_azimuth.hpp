@@ -15,10 +15,11 @@
 // computed minus true; the measurement is INS minus GNSS velocity.
 #pragma once
 
-#include "error_models/interval_average.hpp"
-#include "estimation/gaussian.hpp"
-#include "estimation/integration.hpp"
-#include "inertial/mechanisation.hpp"
+#include <array>
+
+#include "error_models/misalignment.hpp"
+#include "error_models/navigation_interval.hpp"
+#include "error_models/vector_model.hpp"
 
 namespace truenorth {
 
@@ -55,20 +56,9 @@ class LargeAzimuth {
         double velocity_sigma;        // GNSS [m/s]
     };
 
-    // What drives the model over a filter interval, from the averages of the mechanisation.
-    struct Interval {
+    // The trusted velocity is that of the mechanisation less the estimate of its error.
+    struct Interval : NavigationInterval {
         Interval(const IntervalAverage& average, const earth::Position& position, const State& x);
-
-        double dt;                 // [s]
-        Eigen::Matrix3d C_bn;      // C_b^{n'}
-        Eigen::Vector3d force;     // f' [m/s2]
-        Eigen::Vector3d velocity;  // that the filter trusts, ENU [m/s]
-        Eigen::Vector3d omega_ie;  // [rad/s]
-        Eigen::Vector3d omega_en;
-        // dw_en = (-dv_n / (R_M + h), dv_e / (R_N + h), dv_e tan L / (R_N + h))
-        double per_meridian_radius;        // [1/m]
-        double per_prime_vertical_radius;  // [1/m]
-        double tan_latitude;
     };
 
     // A GNSS velocity, seen from the mechanisation.
@@ -85,16 +75,11 @@ class LargeAzimuth {
 
     template <int Count>
     void propagate(State& x, Points<kStates, Count>& deviations, const Interval& interval) const {
-        using Set = Points<kStates, Count>;
-        const Set start = deviations.colwise() + x;
-        const Set end = integrate(
-            start, [&](const Set& points) { return rate(points, interval); }, interval.dt, discretisation);
-        x = end.col(0);
-        deviations = end.colwise() - x;
+        propagate_vectors(*this, x, deviations, interval);
     }
 
     [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const {
-        return truenorth::transition(jacobian(x, interval), interval.dt, discretisation);
+        return vector_transition(*this, x, interval);
     }
 
     [[nodiscard]] Matrix<kStates> process_noise(const State& x, const Interval& interval) const;
@@ -107,10 +92,6 @@ class LargeAzimuth {
     template <class Set>
     [[nodiscard]] Set rate(const Set& x, const Interval& interval) const;
     [[nodiscard]] Matrix<kStates> jacobian(const State& x, const Interval& interval) const;
-
-    // The true frame from the computed one: C_n^{n'} of the estimate, as a rotation without approximation
-    // (Zhao 2012 eq. 2, C_y C_x C_z).
-    [[nodiscard]] static Eigen::Matrix3d misalignment_matrix(const State& x);
 
     // The navigation state corrected by the estimate: attitude and horizontal velocity.
     [[nodiscard]] static NavigationState corrected(const NavigationState& computed, const State& x);
@@ -125,12 +106,8 @@ Set LargeAzimuth::rate(const Set& x, const Interval& interval) const {
     using Row = Eigen::Array<double, 1, Set::ColsAtCompileTime>;
     const Row dv_e = x.row(kVelocityEast);
     const Row dv_n = x.row(kVelocityNorth);
-    const Row phi_e = x.row(kPhiEast);
     const Row phi_n = x.row(kPhiNorth);
-    const Row c = x.row(kPhiUp).array().cos();
-    const Row s = x.row(kPhiUp).array().sin();
-    const Row C31 = phi_n * c + phi_e * s;
-    const Row C32 = phi_n * s - phi_e * c;
+    const MisalignmentMatrix<Row> C(Misalignment::large_azimuth, x.row(kPhiEast), phi_n, x.row(kPhiUp));
 
     const Eigen::Matrix3d& C_bn = interval.C_bn;
     const auto nabla = [&](int axis) -> Row {
@@ -141,50 +118,43 @@ Set LargeAzimuth::rate(const Set& x, const Interval& interval) const {
         return C_bn(axis, 0) * x.row(kGyroX).array() + C_bn(axis, 1) * x.row(kGyroY).array() +
                C_bn(axis, 2) * x.row(kGyroZ).array();
     };
-    const Row dw_e = -dv_n * interval.per_meridian_radius;
-    const Row dw_n = dv_e * interval.per_prime_vertical_radius;
-    const Row dw_u = dw_n * interval.tan_latitude;
+    const Eigen::Matrix3d T = interval.transport();
 
     Set rate = Set::Zero();
 
     // Misalignment.
     const Eigen::Vector3d w = interval.omega_ie + interval.omega_en;
-    rate.row(kPhiEast) = (1.0 - c) * w.x() - s * w.y() + phi_n * w.z() + dw_e - epsilon(0);
-    rate.row(kPhiNorth) = s * w.x() + (1.0 - c) * w.y() - phi_e * w.z() + dw_n - epsilon(1);
-    rate.row(kPhiUp) = -C31 * w.x() - C32 * w.y() + dw_u - epsilon(2);
+    for (int i = 0; i < 3; ++i) {
+        const Row dw = T(i, 0) * dv_e + T(i, 1) * dv_n;
+        rate.row(kPhiEast + i) = w[i] - C.times(i, w) + dw - epsilon(i);
+    }
 
     // Velocity: force and accelerometer bias.
     const Eigen::Vector3d& f = interval.force;
-    Row force_e = Row::Zero();
-    Row force_n = Row::Zero();
+    std::array<Row, 2> force{Row::Zero(), Row::Zero()};
     switch (velocity_form) {
         case VelocityForm::transposed: {
-            const Row g_e = f.x() - nabla(0);
-            const Row g_n = f.y() - nabla(1);
-            const Row g_u = f.z() - nabla(2);
-            force_e = f.x() - (c * g_e - s * g_n + C31 * g_u);
-            force_n = f.y() - (s * g_e + c * g_n + C32 * g_u);
+            const Components<Row> g{f.x() - nabla(0), f.y() - nabla(1), f.z() - nabla(2)};
+            force = {f.x() - C.transposed_times(0, g), f.y() - C.transposed_times(1, g)};
             break;
         }
         case VelocityForm::computed_force:
-            force_e = (c - 1.0) * f.x() + s * f.y() - phi_n * f.z() + nabla(0);
-            force_n = -s * f.x() + (c - 1.0) * f.y() + phi_e * f.z() + nabla(1);
+            force = {C.times(0, f) - f.x() + nabla(0), C.times(1, f) - f.y() + nabla(1)};
             break;
-        case VelocityForm::vertical_force:
-            force_e = -phi_n * f.z() + nabla(0);
-            force_n = phi_e * f.z() + nabla(1);
+        case VelocityForm::vertical_force: {
+            const Eigen::Vector3d vertical(0.0, 0.0, f.z());
+            force = {C.times(0, vertical) + nabla(0), C.times(1, vertical) + nabla(1)};
             break;
+        }
         case VelocityForm::printed:
-            force_e = (c - 1.0) * f.x() + s * f.y() + nabla(0);
-            force_n = -s * f.x() + (c - 1.0) * f.y() + phi_e * f.z() + nabla(1);
+            force = {C.times(0, f) - f.x() + phi_n * f.z() + nabla(0), C.times(1, f) - f.y() + nabla(1)};
             break;
     }
 
     // Velocity: Coriolis and transport terms.
-    const double W_u = 2.0 * interval.omega_ie.z() + interval.omega_en.z();
-    const Eigen::Vector3d& v = interval.velocity;
-    rate.row(kVelocityEast) = force_e + W_u * dv_n - (dw_n * v.z() - dw_u * v.y());
-    rate.row(kVelocityNorth) = force_n - W_u * dv_e - (dw_u * v.x() - dw_e * v.z());
+    const Eigen::Matrix3d A = interval.coriolis();
+    rate.row(kVelocityEast) = force[0] + A(0, 0) * dv_e + A(0, 1) * dv_n;
+    rate.row(kVelocityNorth) = force[1] + A(1, 0) * dv_e + A(1, 1) * dv_n;
     return rate;
 }
 

@@ -352,21 +352,6 @@ TEST(LargeAzimuthProcessNoise, GrowsWithTimeAndTheSquaredRandomWalks) {
     EXPECT_LT((Q - Matrix<Model::kStates>(expected.asDiagonal())).cwiseAbs().maxCoeff(), 1e-22);
 }
 
-TEST(LargeAzimuthMisalignment, IsTheProductOfTheThreeRotationsOfZhao2012) {
-    Random random(10);
-    for (int n = 0; n < 50; ++n) {
-        State x = random.state();
-        x.segment<3>(Model::kPhiEast) = random.vector(1.4);
-        EXPECT_LT((Model::misalignment_matrix(x) - exact_C(x.segment<3>(2))).norm(), 1e-15);
-    }
-}
-
-TEST(LargeAzimuthMisalignment, BecomesEquation13ForSmallTilt) {
-    State x = State::Zero();
-    x.segment<3>(Model::kPhiEast) << 1e-5, -2e-5, 2.0;
-    EXPECT_LT((Model::misalignment_matrix(x) - large_azimuth_C(x.segment<3>(2))).norm(), 1e-9);
-}
-
 TEST(LargeAzimuthCorrected, UndoesAKnownMisalignment) {
     Random random(11);
     for (int n = 0; n < 50; ++n) {
