@@ -1,0 +1,133 @@
+#include "error_models/tight.hpp"
+
+#include <cmath>
+
+#include "estimation/model.hpp"
+
+namespace truenorth {
+
+static_assert(ErrorModel<Tight>);
+
+using Eigen::Vector3d;
+using navigation_error::kCount;
+
+Tight::Interval::Interval(const IntervalAverage& average, const earth::Position& position, const State& x)
+    : NavigationInterval(average, position, x.segment<3>(kVelocity)) {}
+
+Matrix<Tight::kStates> Tight::jacobian(const State& /*x*/, const Interval& interval) const {
+    Matrix<kStates> F = Matrix<kStates>::Zero();
+    F.topLeftCorner<kCount, kCount>() = navigation_error::jacobian(interval);
+    F.block<3, 3>(kPhi, kGyro) = -interval.C_bn;
+    F.block<3, 3>(kPhi, kGyroMarkov) = -interval.C_bn;
+    F.block<3, 3>(kVelocity, kAccelerometer) = interval.C_bn;
+    F.diagonal().segment<3>(kGyroMarkov).setConstant(-1.0 / noise.gyro_markov_time);
+    F(kClockBias, kClockDrift) = 1.0;
+    return F;
+}
+
+Matrix<Tight::kStates> Tight::process_noise(const State& /*x*/, const Interval& interval) const {
+    const double dt = interval.dt;
+    const double sigma = noise.gyro_markov_sigma;
+    State variance = State::Zero();
+    variance.head<kCount>() =
+        navigation_error::random_walk_variance(noise.angle_random_walk, noise.velocity_random_walk, dt);
+    variance.segment<3>(kGyroMarkov)
+        .setConstant(-sigma * sigma * std::expm1(-2.0 * dt / noise.gyro_markov_time));
+    variance(kClockBias) = dt * noise.clock_bias_random_walk * noise.clock_bias_random_walk;
+    variance(kClockDrift) = dt * noise.clock_drift_random_walk * noise.clock_drift_random_walk;
+    return variance.asDiagonal();
+}
+
+Tight::Mask Tight::present(const Fix& fix) {
+    Mask mask;
+    for (int i = 0; i < kChannels; ++i) {
+        mask(i) = mask(kChannels + i) = fix.channels[i].valid;
+    }
+    return mask;
+}
+
+Matrix<6, Tight::kStates> Tight::antenna_error(const Fix& fix) {
+    Matrix<6, kStates> A = Matrix<6, kStates>::Zero();
+    A.leftCols<kCount>() = fix.antenna.error_of_navigation();
+    A.block<3, 3>(3, kGyro) = fix.antenna.velocity_error_of_gyro_bias();
+    A.block<3, 3>(3, kGyroMarkov) = A.block<3, 3>(3, kGyro);
+    // A displacement turns the ENU axes, and the velocity that is resolved in them.
+    for (int i = 0; i < 3; ++i) {
+        A.block<3, 1>(3, kPosition + i) =
+            earth::transport_rate(fix.position, Vector3d::Unit(i)).cross(fix.velocity);
+    }
+    return A;
+}
+
+std::array<Tight::Sight, Tight::kChannels> Tight::sights(const State& x, const Fix& fix) {
+    const Vector<6> error = antenna_error(fix) * x;
+    const Eigen::Matrix3d C_en = earth::C_en(fix.position);
+    const Vector3d antenna = earth::ecef(fix.position);
+    std::array<Sight, kChannels> sights;
+    for (int i = 0; i < kChannels; ++i) {
+        const Channel& channel = fix.channels[i];
+        sights[i] = {C_en * (channel.satellite_position - antenna) + error.head<3>(),
+                     C_en * channel.satellite_velocity - fix.velocity + error.tail<3>()};
+    }
+    return sights;
+}
+
+Vector<Tight::kMeasurements> Tight::residual(const State& x, const Fix& fix) {
+    const std::array<Sight, kChannels> all = sights(x, fix);
+    Vector<kMeasurements> residual = Vector<kMeasurements>::Zero();
+    for (int i = 0; i < kChannels; ++i) {
+        const Channel& channel = fix.channels[i];
+        if (channel.valid) {
+            const double range = all[i].line.norm();
+            residual(i) = channel.pseudorange - (range + x(kClockBias));
+            residual(kChannels + i) =
+                channel.range_rate - (all[i].line.dot(all[i].velocity) / range + x(kClockDrift));
+        }
+    }
+    return residual;
+}
+
+Matrix<Tight::kMeasurements, Tight::kStates> Tight::measurement_matrix(const State& x, const Fix& fix) {
+    const Matrix<6, kStates> antenna = antenna_error(fix);
+    const std::array<Sight, kChannels> all = sights(x, fix);
+    Matrix<kMeasurements, kStates> H = Matrix<kMeasurements, kStates>::Zero();
+    for (int i = 0; i < kChannels; ++i) {
+        if (fix.channels[i].valid) {
+            const double range = all[i].line.norm();
+            const Vector3d u = all[i].line / range;
+            const Vector3d across = all[i].velocity - u.dot(all[i].velocity) * u;
+            H.row(i) = u.transpose() * antenna.topRows<3>();
+            H(i, kClockBias) = 1.0;
+            H.row(kChannels + i) =
+                across.transpose() / range * antenna.topRows<3>() + u.transpose() * antenna.bottomRows<3>();
+            H(kChannels + i, kClockDrift) = 1.0;
+        }
+    }
+    return H;
+}
+
+Matrix<Tight::kMeasurements> Tight::measurement_noise(const State& /*x*/, const Fix& /*fix*/) const {
+    Vector<kMeasurements> variance;
+    variance.head<kChannels>().setConstant(noise.pseudorange_sigma * noise.pseudorange_sigma);
+    variance.tail<kChannels>().setConstant(noise.range_rate_sigma * noise.range_rate_sigma);
+    return variance.asDiagonal();
+}
+
+NavigationState Tight::corrected(const NavigationState& computed, const State& x) {
+    return navigation_error::retract(computed, -x.head<kCount>());
+}
+
+Tight::State Tight::remaining(const State& x) {
+    State rest = x;
+    rest.head<kGyroMarkov>().setZero();
+    rest.segment<3>(kAccelerometer).setZero();
+    return rest;
+}
+
+Matrix<Tight::kStates> Tight::reset_jacobian(const State& x) {
+    Matrix<kStates> G = Matrix<kStates>::Identity();
+    G.topLeftCorner<kCount, kCount>() = navigation_error::correction_jacobian(x.head<kCount>());
+    return G;
+}
+
+}  // namespace truenorth
