@@ -29,7 +29,9 @@ Vector<FullState::kMeasurements> FullState::residual(const State& x, const Fix& 
 
 Matrix<FullState::kMeasurements, FullState::kStates> FullState::measurement_matrix(const State& x,
                                                                                    const Fix& fix) {
-    return Antenna{x.q_bn.toRotationMatrix(), fix.lever_arm, fix.omega_eb_b}.error_of_navigation();
+    const Antenna antenna{
+        .C_bn = x.q_bn.toRotationMatrix(), .lever_arm = fix.lever_arm, .omega_eb_b = fix.omega_eb_b};
+    return antenna.error_of_navigation();
 }
 
 Matrix<FullState::kMeasurements> FullState::measurement_noise(const State& /*x*/, const Fix& /*fix*/) const {

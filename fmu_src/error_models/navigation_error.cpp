@@ -6,9 +6,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 NavigationState retract(const NavigationState& x, const Error& error) {
-    return {(quaternion(-error.segment<3>(kPhi)) * x.q_bn).normalized(),
-            x.velocity + error.segment<3>(kVelocity),
-            earth::displaced(x.position, error.segment<3>(kPosition))};
+    return {.q_bn = (quaternion(-error.segment<3>(kPhi)) * x.q_bn).normalized(),
+            .velocity = x.velocity + error.segment<3>(kVelocity),
+            .position = earth::displaced(x.position, error.segment<3>(kPosition))};
 }
 
 Error local(const NavigationState& x, const NavigationState& computed) {

@@ -66,8 +66,8 @@ std::array<Tight::Sight, Tight::kChannels> Tight::sights(const State& x, const F
     std::array<Sight, kChannels> sights;
     for (int i = 0; i < kChannels; ++i) {
         const Channel& channel = fix.channels[i];
-        sights[i] = {C_en * (channel.satellite_position - antenna) + error.head<3>(),
-                     C_en * channel.satellite_velocity - fix.velocity + error.tail<3>()};
+        sights[i] = {.line = C_en * (channel.satellite_position - antenna) + error.head<3>(),
+                     .velocity = C_en * channel.satellite_velocity - fix.velocity + error.tail<3>()};
     }
     return sights;
 }

@@ -39,14 +39,14 @@ class Tight {
     using Mask = Eigen::Array<bool, kMeasurements, 1>;
 
     struct Noise {
-        double angle_random_walk;          // gyro [rad/s^0.5]
-        double velocity_random_walk;       // accelerometer [m/s^1.5]
-        double gyro_markov_sigma;          // stationary [rad/s]
-        double gyro_markov_time = 3600.0;  // [s]
-        double clock_bias_random_walk;     // [m/s^0.5]
-        double clock_drift_random_walk;    // [m/s^1.5]
-        double pseudorange_sigma;          // [m]
-        double range_rate_sigma;           // [m/s]
+        double angle_random_walk = 0.0;        // gyro [rad/s^0.5]
+        double velocity_random_walk = 0.0;     // accelerometer [m/s^1.5]
+        double gyro_markov_sigma = 0.0;        // stationary [rad/s]
+        double gyro_markov_time = 3600.0;      // [s]
+        double clock_bias_random_walk = 0.0;   // [m/s^0.5]
+        double clock_drift_random_walk = 0.0;  // [m/s^1.5]
+        double pseudorange_sigma = 0.0;        // [m]
+        double range_rate_sigma = 0.0;         // [m/s]
     };
 
     // The trusted velocity is that of the mechanisation less the estimate of its error.
