@@ -26,7 +26,7 @@ class AdaptiveFactor {
     double threshold = 2.1;  // unit_free only; a mean of u^2, 1 in a consistent filter
 
     template <int N, int M>
-    Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
+    [[nodiscard]] Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
         const double factor = alpha(innovation);
         Innovation<N, M> used = innovation;
         used.spread /= factor;

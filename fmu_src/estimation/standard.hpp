@@ -11,7 +11,7 @@ class Standard {
   public:
     // K = P H^T S^-1, posterior P - K S K^T with S = H P H^T + R (Zhou 2011, section 1, measurement update).
     template <int N, int M>
-    Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
+    [[nodiscard]] Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
         const Eigen::LLT<Matrix<M>> S(innovation.spread + innovation.noise);
         // With S = L L^T: P H^T L^-T, so that K S K^T is a sum of squares.
         Matrix<N, M> whitened = innovation.cross;

@@ -31,7 +31,9 @@ TEST_P(AdaptiveCorrector, UnitFreeComparesStandardisedSquares) {
         const RandomMeasurement c(random, 1.5);
         const Matrix<kChannels> S = c.H * c.P * c.H.transpose() + Matrix<kChannels>(c.R.asDiagonal());
         double sum = 0.0;
-        for (int j = 0; j < kChannels; ++j) sum += c.residual(j) * c.residual(j) / S(j, j);
+        for (int j = 0; j < kChannels; ++j) {
+            sum += c.residual(j) * c.residual(j) / S(j, j);
+        }
         const double alpha = sum > 6.3 ? 6.3 / sum : 1.0;
         fired += alpha < 1.0 ? 1 : 0;
         expect_update(c, alpha, AdaptiveFactor::Form::unit_free);
@@ -83,7 +85,10 @@ double firing_rate(AdaptiveFactor::Form form, double metre, unsigned seed) {
     const Matrix<6> R = sigma.cwiseAbs2().asDiagonal();
     int fired = 0;
     for (int i = 0; i < epochs; ++i) {
-        const Innovation<6, 6> innovation{sigma.cwiseProduct(random.normal<6, 1>()), 1e-6 * R, R, 1e-6 * R};
+        const Innovation<6, 6> innovation{.residual = sigma.cwiseProduct(random.normal<6, 1>()),
+                                          .spread = 1e-6 * R,
+                                          .noise = R,
+                                          .cross = 1e-6 * R};
         fired += AdaptiveFactor{.form = form}.correct(Matrix<6>(1e-6 * R), innovation).alpha < 1.0 ? 1 : 0;
     }
     return static_cast<double>(fired) / epochs;

@@ -49,16 +49,16 @@ struct Sigma {
     Long Wm;
     Long Wc;
 
-    Sigma(const Long& P, const UnscentedParameters& p) {
+    Sigma(const Long& P, const UnscentedParameters& p)
+        : points(Long::Zero(P.rows(), 2 * P.rows() + 1)), Wm(points.cols(), 1), Wc(points.cols(), 1) {
         const Eigen::Index L = P.rows();
         const long double alpha = p.alpha;
         const long double lambda = alpha * alpha * (L + static_cast<long double>(p.kappa)) - L;
         const Long root = Long((L + lambda) * P).llt().matrixL();
-        points = Long::Zero(L, 2 * L + 1);
         points.middleCols(1, L) = root;
         points.rightCols(L) = -root;
-        Wm = Long::Constant(2 * L + 1, 1, 1 / (2 * (L + lambda)));
-        Wc = Wm;
+        Wm.setConstant(1 / (2 * (L + lambda)));
+        Wc.setConstant(1 / (2 * (L + lambda)));
         Wm(0) = lambda / (L + lambda);
         Wc(0) = Wm(0) + 1 - alpha * alpha + static_cast<long double>(p.beta);
     }
@@ -149,14 +149,14 @@ TEST_P(AugmentedPredictor, EqualsTheSimplifiedOneWithPointsAtTheSameDistance) {
         Vector<3> x_simple = x;
         Matrix<3> P_simple = P;
         const double alpha = i % 2 == 0 ? 1.0 : 0.1;
-        Augmented({alpha, 0.0, 0.0}).predict(model, x, P, {});
-        Unscented({alpha, 0.0, 3.0}).predict(model, x_simple, P_simple, {});
+        Augmented({.alpha = alpha, .beta = 0.0, .kappa = 0.0}).predict(model, x, P, {});
+        Unscented({.alpha = alpha, .beta = 0.0, .kappa = 3.0}).predict(model, x_simple, P_simple, {});
         EXPECT_LT(relative_difference(x, x_simple), 1e-12);
         EXPECT_LT(relative_difference(P, P_simple), 1e-12);
 
         const CurvedMeasurement::Fix fix{random.normal<2, 1>()};
-        const auto a = Augmented({alpha, 0.0, 0.0}).innovate(model, x, P, fix);
-        const auto b = Unscented({alpha, 0.0, 2.0}).innovate(model, x, P, fix);
+        const auto a = Augmented({.alpha = alpha, .beta = 0.0, .kappa = 0.0}).innovate(model, x, P, fix);
+        const auto b = Unscented({.alpha = alpha, .beta = 0.0, .kappa = 2.0}).innovate(model, x, P, fix);
         EXPECT_LT((a.residual - b.residual).norm(), 1e-12);
         EXPECT_LT(relative_difference(a.spread, b.spread), 1e-12);
         EXPECT_LT(relative_difference(a.cross, b.cross), 1e-12);
@@ -197,8 +197,9 @@ static_assert(NonlinearMeasurement<LinearThroughPoints>);
 
 TEST(Predictors, AreOneFilterOnALinearModel) {
     for (const unsigned seed : {103U, 104U}) {
-        const std::array predictors{Predictor(Linearised()), Predictor(Unscented({1.0, 0.0, 0.0})),
-                                    Predictor(Unscented()), Predictor(Augmented({1.0, 0.0, 0.0}))};
+        const std::array predictors{
+            Predictor(Linearised()), Predictor(Unscented({.alpha = 1.0, .beta = 0.0, .kappa = 0.0})),
+            Predictor(Unscented()), Predictor(Augmented({.alpha = 1.0, .beta = 0.0, .kappa = 0.0}))};
         std::array<Estimator<LinearThroughPoints>, 4> filters;
         RandomCovariance random(seed);
         for (std::size_t k = 0; k < filters.size(); ++k) {

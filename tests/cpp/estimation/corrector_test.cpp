@@ -28,7 +28,9 @@ TEST_P(AnyCorrector, GivesSoundCorrections) {
             for (int i = 0; i < 100; ++i) {
                 const RandomMeasurement c(random, size);
                 auto innovation = c.innovation();
-                if (i % 3 == 0) innovation.remove(i % kChannels);
+                if (i % 3 == 0) {
+                    innovation.remove(i % kChannels);
+                }
                 const auto correction = corrector.correct(c.P, innovation);
                 EXPECT_TRUE(is_sound(correction)) << static_cast<int>(method) << ' ' << size << ' ' << i;
                 for (int j = 0; j < kChannels; ++j) {

@@ -12,7 +12,9 @@ namespace {
 
 // The three pieces of IGG III for k0 = 2.5, k1 = 8.
 double weight_of(double u) {
-    if (u > 8.0) return 0.0;
+    if (u > 8.0) {
+        return 0.0;
+    }
     return u > 2.5 ? 2.5 / u * std::pow((8.0 - u) / 5.5, 2) : 1.0;
 }
 
@@ -51,7 +53,9 @@ TEST_P(IggCorrector, InflatesTheNoiseOfSuspectsAndRemovesOutliers) {
         const auto correction = Igg().correct(c.P, c.innovation());
         EXPECT_TRUE(is_sound(correction));
         EXPECT_LT((correction.weight - weight).norm(), 1e-12);
-        for (const int j : kept) EXPECT_NEAR(correction.noise(j, j), R(j), 1e-9 * R(j));
+        for (const int j : kept) {
+            EXPECT_NEAR(correction.noise(j, j), R(j), 1e-9 * R(j));
+        }
         if (kept.empty()) {
             EXPECT_EQ(correction.deviation, Vector<kStates>::Zero());
             EXPECT_EQ(correction.covariance, c.P);
@@ -67,7 +71,7 @@ TEST_P(IggCorrector, InflatesTheNoiseOfSuspectsAndRemovesOutliers) {
 
 TEST_P(IggCorrector, KeepsCorrelationsOfTheNoise) {
     RandomCovariance random(GetParam());
-    RandomMeasurement c(random, 1.0);
+    const RandomMeasurement c(random, 1.0);
     auto innovation = c.innovation();
     innovation.noise = random.covariance<kChannels>(0.1, 2.0);
     innovation.residual.setZero();
@@ -116,7 +120,9 @@ TEST(IggGuard, CountsOnlyConsecutiveEpochs) {
 TEST(IggGuard, TakesADownWeightedEpochForBad) {
     Igg igg;
     const Matrix<1> P(3.0);
-    for (int k = 0; k < 5; ++k) EXPECT_EQ(igg.correct(P, scalar(3.0)).alpha, 1.0);
+    for (int k = 0; k < 5; ++k) {
+        EXPECT_EQ(igg.correct(P, scalar(3.0)).alpha, 1.0);
+    }
     EXPECT_NEAR(igg.correct(P, scalar(3.0)).alpha, 2.1 / 9.0, 1e-15);
 }
 

@@ -46,7 +46,9 @@ TEST(Innovation, WithoutChannelsChangesNothing) {
     RandomCovariance random(53);
     const RandomMeasurement c(random, 2.0);
     auto innovation = c.innovation();
-    for (int i = 0; i < kChannels; ++i) innovation.remove(i);
+    for (int i = 0; i < kChannels; ++i) {
+        innovation.remove(i);
+    }
     const auto correction = Standard().correct(c.P, innovation);
     EXPECT_EQ(correction.deviation, Vector<kStates>::Zero());
     EXPECT_EQ(correction.covariance, c.P);
@@ -65,7 +67,9 @@ struct IntermittentModel : LinearModel<4> {
     }
     [[nodiscard]] static Matrix<2, 4> measurement_matrix(const Vector<4>& /*x*/, const Fix& fix) {
         Matrix<2, 4> H = Matrix<2, 4>::Identity();
-        if (!fix.valid(0)) H.row(0).setConstant(std::numeric_limits<double>::quiet_NaN());
+        if (!fix.valid(0)) {
+            H.row(0).setConstant(std::numeric_limits<double>::quiet_NaN());
+        }
         return H;
     }
     [[nodiscard]] static Eigen::Matrix2d measurement_noise(const Vector<4>& /*x*/, const Fix& /*fix*/) {
@@ -78,8 +82,9 @@ static_assert(!IntermittentMeasurement<LinearModel<4>>);
 TEST(Innovation, NothingOfAnAbsentChannelMatters) {
     const IntermittentModel model;
     const Matrix<4> P = 4.0 * Matrix<4>::Identity();
-    const auto innovation = innovate(model, Vector<4>::Zero(), P,
-                                     {{std::numeric_limits<double>::quiet_NaN(), 1.0}, {false, true}});
+    const auto innovation =
+        innovate(model, Vector<4>::Zero(), P,
+                 {.value = {std::numeric_limits<double>::quiet_NaN(), 1.0}, .valid = {false, true}});
     EXPECT_FALSE(innovation.present(0));
     EXPECT_TRUE(innovation.present(1));
     const auto correction = Standard().correct(P, innovation);
@@ -98,8 +103,10 @@ TEST(InnovationGate, HasOneConfidenceForAnyNumberOfChannels) {
 }
 
 TEST(InnovationGate, CountsTheChannelsThatArePresent) {
-    Innovation<1, 3> innovation{Vector<3>::Zero(), Matrix<3>::Zero(), Matrix<3>::Identity(),
-                                Matrix<1, 3>::Zero()};
+    Innovation<1, 3> innovation{.residual = Vector<3>::Zero(),
+                                .spread = Matrix<3>::Zero(),
+                                .noise = Matrix<3>::Identity(),
+                                .cross = Matrix<1, 3>::Zero()};
     const InnovationGate gate{.enabled = true, .threshold = 16.0};
     innovation.residual(0) = std::sqrt(17.0);  // admitted as one of three, not as one of two
     EXPECT_TRUE(gate.admits(innovation));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace truenorth {
@@ -12,7 +13,7 @@ class SavedState {
     static std::vector<double> of(Object& object) {
         SavedState archive;
         archive(object);
-        return archive.values_;
+        return std::move(archive.values_);
     }
     template <class Object>
     static void restore(Object& object, const std::vector<double>& values) {
@@ -45,7 +46,9 @@ class SavedState {
         if constexpr (requires { value.serialize(*this); }) {
             value.serialize(*this);
         } else {
-            for (double& component : value) take(component);
+            for (double& component : value) {
+                take(component);
+            }
         }
     }
 

@@ -38,7 +38,9 @@ struct Transcription {
     Eigen::MatrixXd P;
 
     void update(const RandomMeasurement& c, double rho, int iterations) {
-        if (b.size() == 0) b = a.cwiseProduct(Eigen::VectorXd(c.R));
+        if (b.size() == 0) {
+            b = a.cwiseProduct(Eigen::VectorXd(c.R));
+        }
         a = rho * a + Eigen::VectorXd::Constant(kChannels, 0.5);
         const Eigen::VectorXd b_prior = rho * b;
         b = b_prior;
@@ -60,7 +62,9 @@ struct PrintedTranscription {
     Eigen::VectorXd beta;
 
     Eigen::VectorXd noise(const RandomMeasurement& c, double rho) {
-        if (beta.size() == 0) beta = alpha.cwiseProduct(Eigen::VectorXd(c.R));
+        if (beta.size() == 0) {
+            beta = alpha.cwiseProduct(Eigen::VectorXd(c.R));
+        }
         alpha += Eigen::VectorXd::Constant(kChannels, 0.5);
         const Eigen::VectorXd beta_minus = rho * beta;
         const Eigen::MatrixXd HPH = c.H * c.P * c.H.transpose();
@@ -163,9 +167,13 @@ TEST(VariationalBayesEstimate, ConvergesToTheNoiseThatIsThere) {
     for (const unsigned seed : {82U, 83U}) {
         Repeated epochs(seed, 0.8);
         auto bayes = bayes_with<1>(0.999, 3);
-        for (int k = 0; k < 20000; ++k) epochs.measure(bayes, 4.0);
+        for (int k = 0; k < 20000; ++k) {
+            epochs.measure(bayes, 4.0);
+        }
         double sum = 0.0;
-        for (int k = 0; k < 20000; ++k) sum += epochs.measure(bayes, 4.0);
+        for (int k = 0; k < 20000; ++k) {
+            sum += epochs.measure(bayes, 4.0);
+        }
         EXPECT_NEAR(sum / 20000.0, 4.0, 4.0 * 0.048);
     }
 }
@@ -174,7 +182,9 @@ TEST(VariationalBayesEstimate, IsAsConfidentAsItsMemoryIsLong) {
     for (const double rho : {0.9, 0.95, 0.99}) {
         Repeated epochs(84, 0.1);
         auto bayes = bayes_with<1>(rho, 3);
-        for (int k = 0; k < 4000; ++k) epochs.measure(bayes, 1.0);
+        for (int k = 0; k < 4000; ++k) {
+            epochs.measure(bayes, 1.0);
+        }
         EXPECT_NEAR(SavedState::of(bayes).at(0), 0.5 / (1.0 - rho), 1e-12);
     }
 }
@@ -185,8 +195,12 @@ double after_step(double rho, int epochs, unsigned seed) {
     for (unsigned run = 0; run < 400; ++run) {
         Repeated measurements(1000 * seed + run, 1e-3);
         auto bayes = bayes_with<1>(rho, 3);
-        for (int k = 0; k < 600; ++k) measurements.measure(bayes, 1.0);
-        for (int k = 0; k < epochs; ++k) measurements.measure(bayes, 36.0);
+        for (int k = 0; k < 600; ++k) {
+            measurements.measure(bayes, 1.0);
+        }
+        for (int k = 0; k < epochs; ++k) {
+            measurements.measure(bayes, 36.0);
+        }
         sum += bayes.noise()(0);
     }
     return sum / 400.0;
@@ -212,7 +226,9 @@ TEST(VariationalBayesEstimate, PrintedDriftsAwayFromTheTruth) {
             for (unsigned run = 0; run < 100; ++run) {
                 Repeated measurements(1000 * seed + run, 1e-3);
                 auto bayes = printed_bayes<1>();
-                for (int k = 0; k < epochs; ++k) measurements.measure(bayes, 1.0);
+                for (int k = 0; k < epochs; ++k) {
+                    measurements.measure(bayes, 1.0);
+                }
                 sum += bayes.noise()(0);
             }
             // b starts at 1 = R instead of 50 R, which rho^380 = 0.022 has not quite forgotten.
