@@ -172,6 +172,11 @@ def chi_square_interval(degrees_of_freedom: int, confidence: float = CONFIDENCE)
     return float(chdtri(degrees_of_freedom, 1 - tail)), float(chdtri(degrees_of_freedom, tail))
 
 
+def measured_channels(run: xr.Dataset) -> NDArray[np.intp]:
+    """Channels of the innovation that the filter's model measures: those with a sigma, at any fix."""
+    return np.flatnonzero((run["innovation_sigma"].values > 0).any(axis=0))
+
+
 def judge(run: xr.Dataset) -> Verdict:
     """Verdict on the run of one filter (a data set of `sim_scenarios.run`)."""
     start, stop, limit = (float(run.attrs[f"evaluation.{key}"]) for key in ("start", "stop", "heading_limit"))
@@ -189,7 +194,7 @@ def judge(run: xr.Dataset) -> Verdict:
         convergence_time=holds_since(time, np.abs(error) <= limit),
         claimed_time=holds_since(time, run["converged"].values),
         bound=float(run.attrs["bound.heading_rms"]),
-        nis=nis_statistics(run["nis"].values[used], run["innovation"].shape[-1]),
+        nis=nis_statistics(run["nis"].values[used], len(measured_channels(run))),
         used_fixes=int(run["fix_used"].sum()),
         rejected_fixes=int(run["rejected_fixes"].values[-1]) if run.sizes["fix"] else 0,
     )

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.metrics import chi_square_interval
+from sim_scenarios.metrics import chi_square_interval, measured_channels
 from sim_scenarios.units import ARCMIN, DEGREE, HOUR, STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
@@ -33,6 +33,7 @@ MILLI_G = 1e-3 * STANDARD_GRAVITY
 INK = "#24292f"
 GRID = "#d8dee4"
 BLUE, ORANGE, GREEN, YELLOW, PURPLE, SKY = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9"
+COMPONENTS = ("east", "north", "up")
 FILTERS = (BLUE, YELLOW, GREEN, PURPLE, SKY, ORANGE)
 STYLE: dict[Any, Any] = {
     "figure.facecolor": "white",
@@ -152,15 +153,14 @@ def states(run: xr.Dataset) -> Figure:
 def innovations(run: xr.Dataset) -> Figure:
     """Innovation of each channel with its 3 sigma; fixes that were not used stand out."""
     time, used = run["fix_time"].values, run["fix_used"].values
-    channels = run.sizes[run["innovation"].dims[-1]]
-    names = ("east", "north", "up")[:channels]
-    with _figure(rows=channels, height=2.6 * channels + 0.8, sharex=True) as (figure, axes):
-        for i, (panel, name) in enumerate(zip(axes, names, strict=True)):
+    channels = measured_channels(run)
+    with _figure(rows=len(channels), height=2.6 * len(channels) + 0.8, sharex=True) as (figure, axes):
+        for i, panel in zip(channels, axes, strict=True):
             value, sigma = run["innovation"].values[:, i], run["innovation_sigma"].values[:, i]
             panel.fill_between(time, -3 * sigma, 3 * sigma, color=BLUE, alpha=0.18, lw=0, label="3 sigma")
             panel.plot(time[used], value[used], ".", color=BLUE, ms=3.5, label="used")
             panel.plot(time[~used], value[~used], "x", color=ORANGE, ms=6, mew=1.6, label="rejected")
-            panel.set_ylabel(f"{name} [m/s]")
+            panel.set_ylabel(f"{COMPONENTS[i]} [m/s]")
             settled = time > time[0] + 0.05 * (time[-1] - time[0])
             _limit(panel, max(3.3 * sigma[settled].max(), 1.1 * np.abs(value[settled]).max()), floor=1e-6)
         axes[0].legend(loc="upper right", ncols=3)
@@ -172,7 +172,7 @@ def innovations(run: xr.Dataset) -> Figure:
 def nis(run: xr.Dataset) -> Figure:
     """Normalised innovation squared with the chi-square limits of one fix and of the running mean."""
     time, value, used = run["fix_time"].values, run["nis"].values, run["fix_used"].values
-    channels = run.sizes[run["innovation"].dims[-1]]
+    channels = len(measured_channels(run))
     with _figure(rows=2, height=5.6, sharex=True) as (figure, (each, mean)):
         each.plot(time[used], value[used], ".", color=BLUE, ms=3.5, label="used")
         each.plot(time[~used], value[~used], "x", color=ORANGE, ms=6, mew=1.6, label="rejected")
@@ -211,9 +211,10 @@ def corrections(run: xr.Dataset) -> Figure:
     """What the corrector did: weights of the channels, effective gamma, fixes that were rejected, status."""
     time = run["fix_time"].values
     with _figure(rows=3, height=6.4, sharex=True) as (figure, (weights, gamma, status)):
-        for i, name in enumerate(("east", "north", "up")[: run.sizes[run["measurement_weight"].dims[-1]]]):
+        for i in measured_channels(run):
             values = run["measurement_weight"].values[:, i]
-            weights.step(time, values, ("-", "--", ":")[i], where="mid", lw=1.2, color=FILTERS[i], label=name)
+            style = ("-", "--", ":")[i]
+            weights.step(time, values, style, where="mid", lw=1.2, color=FILTERS[i], label=COMPONENTS[i])
         weights.set_ylim(-0.08, 1.12)
         weights.set_ylabel("weight")
         weights.set_title("What the corrector did with each fix")

@@ -1,22 +1,19 @@
 // AlignmentFilter: mechanisation, error model, predictor and corrector behind one interface.
 //
 // Every IMU sample is mechanised. Every fix, and at the latest every filter.interval, the error model is
-// predicted with the averages of the mechanisation; a fix then corrects it. With feedback the estimate
-// corrects the mechanisation and starts again from zero; without, the mechanisation runs open loop and the
-// outputs alone are corrected. Position and vertical velocity, which the 10-state model does not have, are
-// taken from the fixes.
+// predicted with the averages of the mechanisation; a fix then corrects it. Position, and the vertical
+// velocity where the model lacks it, are taken from the fixes.
 #pragma once
+
+#include <variant>
 
 #include "AlignmentFilter/variables.hpp"
 #include "components/antenna_history.hpp"
 #include "components/gnss_input.hpp"
 #include "components/imu_input.hpp"
 #include "components/log.hpp"
+#include "components/navigation_engine.hpp"
 #include "components/serialisation.hpp"
-#include "error_models/large_azimuth.hpp"
-#include "estimation/estimator.hpp"
-#include "estimation/h_infinity.hpp"
-#include "estimation/innovation_gate.hpp"
 
 namespace truenorth {
 
@@ -39,43 +36,41 @@ class AlignmentFilter {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(parameters, inputs, outputs, imu_, gnss_, mechanisation_, average_, history_, estimator_,
-                gyro_bias_, accelerometer_bias_, fed_back_, last_use_, below_since_, faulted_);
+        archive(parameters, inputs, outputs, imu_, gnss_, history_, travelled_, last_use_, below_since_,
+                faulted_);
         if constexpr (Archive::is_loading::value) {
+            choose_model();
             configure();
         }
+        std::visit([&](auto& engine) { archive(engine); }, engine_);
     }
 
   private:
-    using Model = LargeAzimuth;
+    using Engines = std::variant<NavigationEngine<LargeAzimuth>, NavigationEngine<EulerPlatform>>;
 
-    void configure();
+    void check() const;   // rules between parameters
+    void choose_model();  // engine_ becomes that of error_model
+    void configure();     // settings of the engine that follow from the parameters
     void take_sample();
     void take_fix();
     void predict();
-    void correct(const GnssFix& fix, const AntennaState& antenna);
-    [[nodiscard]] Correction<Model::kStates, Model::kMeasurements> corrected(
-        const Innovation<Model::kStates, Model::kMeasurements>& innovation);
-    void feed_back();
+    template <class Engine>
+    void correct(Engine& engine, const GnssFix& fix, const AntennaState& antenna);
+    template <class Engine>
+    void publish(const Engine& engine);
+    void publish();
+    void publish_status();
     void reject_fix(const char* reason);
     void remember_antenna();
     void fault(const char* reason);
-    void publish();
-    void publish_status();
 
     Log* log_;
     ImuInput imu_;
     GnssInput gnss_;
-    Mechanisation mechanisation_;
-    IntervalAverage average_;
     AntennaHistory history_;
-    Estimator<Model> estimator_;
-    Vector<Model::kStates> prior_sigma_ = Vector<Model::kStates>::Ones();  // follows from the parameters
-    InnovationGate gate_;                                                  // likewise
-    Eigen::Vector3d gyro_bias_ = Eigen::Vector3d::Zero();                  // fed back so far [rad/s]
-    Eigen::Vector3d accelerometer_bias_ = Eigen::Vector3d::Zero();         // fed back so far [m/s2]
-    Eigen::Vector3d fed_back_ = Eigen::Vector3d::Zero();  // misalignment that the last fix found [rad]
-    double last_use_ = 0.0;                               // time of the last fix used, or the start [s]
+    IntervalAverage travelled_;  // running sum since the start
+    Engines engine_;
+    double last_use_ = 0.0;     // time of the last fix used, or the start [s]
     double below_since_ = 0.0;  // since when heading_sigma is below the limit [s]; NaN: it is not
     bool faulted_ = false;
 };

@@ -30,11 +30,24 @@ std::optional<AntennaState> AntennaHistory::at(double time) const {
         const AntennaState& after = back(age - 1);
         const double share = (time - before.time) / (after.time - before.time);
         return AntennaState{
-            time,
-            earth::displaced(before.position, share * earth::displacement(before.position, after.position)),
-            before.velocity + share * (after.velocity - before.velocity)};
+            .time = time,
+            .position = earth::displaced(before.position,
+                                         share * earth::displacement(before.position, after.position)),
+            .velocity = before.velocity + share * (after.velocity - before.velocity),
+            .lever_velocity = before.lever_velocity + share * (after.lever_velocity - before.lever_velocity),
+            .travelled = IntervalAverage::between(before.travelled, after.travelled, share)};
     }
     return std::nullopt;
+}
+
+void AntennaHistory::turn(const Eigen::Matrix3d& R, const IntervalAverage& travelled) {
+    for (std::size_t age = 0; age < size_; ++age) {
+        AntennaState& entry = entries_[(newest_ + kCapacity - age) % kCapacity];
+        const Eigen::Vector3d lever_velocity = R * entry.lever_velocity;
+        entry.velocity += lever_velocity - entry.lever_velocity;
+        entry.lever_velocity = lever_velocity;
+        entry.travelled = travelled - (travelled - entry.travelled).turned(R);
+    }
 }
 
 void AntennaHistory::shift(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement) {

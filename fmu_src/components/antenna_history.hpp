@@ -7,18 +7,20 @@
 #include <cstddef>
 #include <optional>
 
-#include "inertial/earth.hpp"
+#include "error_models/interval_average.hpp"
 
 namespace truenorth {
 
 struct AntennaState {
-    double time = 0.0;
+    double time = 0.0;  // [s]
     earth::Position position;
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // ENU [m/s]
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();        // ENU [m/s]
+    Eigen::Vector3d lever_velocity = Eigen::Vector3d::Zero();  // its part that the lever arm causes
+    IntervalAverage travelled{};  // running sum since the start, from which averages since then follow
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(time, position, velocity);
+        archive(time, position, velocity, lever_velocity, travelled);
     }
 };
 
@@ -33,7 +35,10 @@ class AntennaHistory {
     // The antenna at `time`, interpolated; none when that is before the oldest entry or after the newest.
     [[nodiscard]] std::optional<AntennaState> at(double time) const;
 
-    // The mechanisation has been corrected: by these amounts [m/s], [m] in ENU.
+    // The mechanisation has been corrected: its attitude turned by R (computed ENU), velocity [m/s] and
+    // position [m] moved. The past is made to look as if it had been so always. `travelled` is the running
+    // sum now.
+    void turn(const Eigen::Matrix3d& R, const IntervalAverage& travelled);
     void shift(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement);
 
     template <class Archive>

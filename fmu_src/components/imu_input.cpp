@@ -5,6 +5,10 @@
 
 namespace truenorth {
 
+namespace {
+constexpr double kShortestInterval = 1e-9;  // [s]; two samples closer than this have the same time
+}
+
 ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d& delta_angle,
                                  const Eigen::Vector3d& delta_velocity) {
     if (sample == seen_) {
@@ -12,26 +16,32 @@ ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d&
     }
     seen_ = sample;
 
-    const double dt = time - time_;
+    const bool resumes = time > leap_time_ && time - leap_time_ <= kLongestInterval;  // false for NaN
+    const double before = resumes ? leap_time_ : time_;
+    const double dt = time - before;
     // Before the first sample, and after the sensor's count has been reset, there is nothing to have missed.
-    const int parts = any_ ? std::max(sample - accepted_, 1) : 1;
+    const int parts = any_ ? std::max(sample - (resumes ? leap_sample_ : accepted_), 1) : 1;
     const double part = dt / parts;
-    const bool plausible = std::isfinite(time) && part > 1e-9 && delta_angle.allFinite() &&
-                           delta_velocity.allFinite() && delta_angle.norm() <= kLargestRate * part &&
+    const bool leaps = std::isfinite(time) && dt > kLongestInterval;
+    leap_time_ = leaps ? time : std::numeric_limits<double>::quiet_NaN();
+    leap_sample_ = leaps ? sample : 0;
+    const bool plausible = !leaps && std::isfinite(time) && part > kShortestInterval &&
+                           delta_angle.allFinite() && delta_velocity.allFinite() &&
+                           delta_angle.norm() <= kLargestRate * part &&
                            delta_velocity.norm() <= kLargestForce * part;
     if (!plausible) {
         ++rejected_;
         ++rejected_since_;
         return Verdict::rejected;
     }
-    gap_ = std::max(parts - 1 - rejected_since_, 0);
+    gap_ = resumes ? 0 : std::max(parts - 1 - rejected_since_, 0);
     missed_ += gap_;
-    increment_ = {dt, parts * delta_angle, parts * delta_velocity};
+    increment_ = {.dt = dt, .delta_angle = parts * delta_angle, .delta_velocity = parts * delta_velocity};
     time_ = time;
     any_ = true;
     accepted_ = sample;
     rejected_since_ = 0;
-    return Verdict::accepted;
+    return resumes ? Verdict::resumed : Verdict::accepted;
 }
 
 }  // namespace truenorth

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 #include "inertial/mechanisation.hpp"
 
@@ -9,11 +10,15 @@ namespace truenorth {
 
 class ImuInput {
   public:
-    enum class Verdict { stale, accepted, rejected };
+    // `resumed`: accepted, but what happened before it since the sample before is unknown.
+    enum class Verdict { stale, accepted, resumed, rejected };
 
-    // Beyond these no vehicle and no sensor of this kind goes; a value beyond them is a fault of the data.
+    // Beyond these no vehicle that carries people or instruments goes; a value beyond them is a fault of the
+    // data.
     static constexpr double kLargestRate = 50.0;     // [rad/s]
     static constexpr double kLargestForce = 2000.0;  // [m/s2]
+    // Over a longer interval no increment and no mean rate describes the motion of a vehicle.
+    static constexpr double kLongestInterval = 10.0;  // [s]
 
     void start(double time) {
         *this = ImuInput{};
@@ -21,7 +26,8 @@ class ImuInput {
     }
 
     // `sample` counts the increments that the sensor put out. A count that has advanced by more than one
-    // means that increments were missed: the new ones are then taken as the mean of the whole gap.
+    // means that increments were missed: the new ones are then taken as the mean of the whole gap. A time
+    // that leaps by more than kLongestInterval is believed only when the next sample confirms it.
     Verdict read(int sample, double time, const Eigen::Vector3d& delta_angle,
                  const Eigen::Vector3d& delta_velocity);
 
@@ -34,7 +40,8 @@ class ImuInput {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(increment_, time_, any_, gap_, seen_, accepted_, rejected_, rejected_since_, missed_);
+        archive(increment_, time_, any_, gap_, seen_, accepted_, rejected_, rejected_since_, missed_,
+                leap_sample_, leap_time_);
     }
 
   private:
@@ -47,6 +54,8 @@ class ImuInput {
     int rejected_ = 0;
     int rejected_since_ = 0;  // since the last accepted one
     int missed_ = 0;
+    int leap_sample_ = 0;  // of the last sample, if it was rejected because its time leapt
+    double leap_time_ = std::numeric_limits<double>::quiet_NaN();  // likewise [s]; NaN: it did not
 };
 
 }  // namespace truenorth

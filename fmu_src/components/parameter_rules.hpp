@@ -2,8 +2,6 @@
 // "imu.rate = -1: must be greater than 0".
 #pragma once
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <initializer_list>
 #include <string>
@@ -11,16 +9,11 @@
 #include <utility>
 
 #include "components/invalid_parameter.hpp"
+#include "components/text.hpp"
 
 namespace truenorth::rules {
 
-// The shortest text that reads back to the same number.
-template <class Number>
-[[nodiscard]] std::string text(Number number) {
-    std::array<char, 32> digits{};
-    const auto end = std::to_chars(digits.begin(), digits.end(), number).ptr;
-    return {digits.begin(), end};
-}
+using truenorth::text;
 
 template <class Number>
 [[noreturn]] void refuse(std::string_view name, Number value, const std::string& rule) {

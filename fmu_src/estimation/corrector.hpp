@@ -47,6 +47,12 @@ class Corrector {
         return Standard().correct(prior, innovation);
     }
 
+    // Forgets what has been learned.
+    void restart() {
+        igg.restart();
+        variational_bayes.restart();
+    }
+
     template <class Archive>
     void serialize(Archive& archive) {
         archive(igg, variational_bayes);

@@ -20,7 +20,7 @@ class Estimator {
 
     M model;
     Predictor predictor;
-    typename M::State state{};
+    typename M::State state = M::State::Zero();
     Matrix<kStates> covariance = Matrix<kStates>::Zero();
 
     // First phase: state and covariance at the end of the interval.
@@ -43,12 +43,17 @@ class Estimator {
         covariance = correction.covariance;
     }
 
-    // The estimate has been fed back to what it is an error of; x_reset is what remains (zero, for a vector).
-    void reset(const typename M::State& x_reset) {
+    // The estimate has been fed back to what it is an error of; what remains of it is what the model says, or
+    // zero.
+    void reset() {
         const Matrix<kStates> G = model.reset_jacobian(state);
         covariance = G * covariance * G.transpose();
         symmetrise(covariance);
-        state = x_reset;
+        if constexpr (requires { model.remaining(state); }) {
+            state = model.remaining(state);
+        } else {
+            state = M::State::Zero();
+        }
     }
 
     template <class Archive>

@@ -11,8 +11,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
+#include <limits>
 #include <optional>
 
 #include "estimation/gaussian.hpp"
@@ -30,24 +29,20 @@ class HInfinity {
         double limit;
     };
 
-    // Back-off keeps the largest eigenvalue of L P_post L / gamma^2 at this value, so that none grows more
-    // than tenfold in one update.
-    static constexpr double kLargestRatio = 0.9;
+    // An eigenvalue of L P_post L / gamma^2 beyond this counts as infeasible: it would grow a thousandfold.
+    static constexpr double kLargestRatio = 0.999;
 
     double gamma = 2.0;
     Vector<N> scale = Vector<N>::Ones();  // the diagonal of L; 0 leaves a state out
     std::optional<Ceiling> ceiling = std::nullopt;
 
     template <int M>
-    Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
+    [[nodiscard]] Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
         Correction<N, M> result = Standard().correct(prior, innovation);
-        result.gamma_effective = gamma;
-        if (ceiling) {
-            result.feasible = forget_below_ceiling(result.covariance);
-        } else {
-            result.gamma_effective = forget(result.covariance);
-            result.feasible = result.gamma_effective == gamma;
-        }
+        result.feasible = ceiling ? forget_below(*ceiling, result.covariance) : forget(result.covariance);
+        // Backing off means to forget nothing at this update. A gamma that is just feasible would instead let
+        // what the measurement does not see grow without bound from update to update.
+        result.gamma_effective = result.feasible ? gamma : std::numeric_limits<double>::infinity();
         symmetrise(result.covariance);
         return result;
     }
@@ -55,26 +50,27 @@ class HInfinity {
   private:
     // With L P_post L = U diag(lambda) U^T,
     //     P_k = P_post + P_post L U diag(1 / (gamma^2 - lambda_i)) U^T L P_post,
-    // feasible while every lambda_i < gamma^2. Returns the gamma that was used.
-    double forget(Matrix<N>& posterior) const {
+    // feasible while every lambda_i < gamma^2. Returns false, and changes nothing, if it is not.
+    bool forget(Matrix<N>& posterior) const {
         const Matrix<N> scaled = scale.asDiagonal() * posterior * scale.asDiagonal();
         const Eigen::SelfAdjointEigenSolver<Matrix<N>> eigen(scaled);
         const Vector<N>& lambda = eigen.eigenvalues();
-        const double least = std::sqrt(std::max(lambda.maxCoeff(), 0.0) / kLargestRatio);
-        const double used = std::max(gamma, least);
-
-        const Vector<N> growth = (used * used - lambda.array()).inverse();
+        const double gamma2 = gamma * gamma;
+        if (lambda.maxCoeff() > kLargestRatio * gamma2) {
+            return false;
+        }
+        const Vector<N> growth = (gamma2 - lambda.array()).inverse();
         const Matrix<N> projection = posterior * scale.asDiagonal() * eigen.eigenvectors();
         posterior += projection * growth.asDiagonal() * projection.transpose();
-        return used;
+        return true;
     }
 
     // The information matrix in units of sigma, J = S (P_post^-1 - gamma^-2 L^T L) S, keeps every eigenvalue
     // above 1 / limit: feasible for any gamma. Clipping turns the axes a little and would shrink some
     // directions below P_post; of the change only what adds variance is kept, because an update may forget
     // but not learn here. Returns false, and changes nothing, if P_post has no inverse.
-    bool forget_below_ceiling(Matrix<N>& posterior) const {
-        const Vector<N>& sigma = ceiling->sigma;
+    bool forget_below(const Ceiling& bound, Matrix<N>& posterior) const {
+        const Vector<N>& sigma = bound.sigma;
         const Vector<N> inverse = sigma.cwiseInverse();
         const Matrix<N> normalised = inverse.asDiagonal() * posterior * inverse.asDiagonal();
         const Eigen::LLT<Matrix<N>> cholesky(normalised);
@@ -85,7 +81,7 @@ class HInfinity {
         J.diagonal() -= scale.cwiseProduct(sigma).cwiseAbs2() / (gamma * gamma);
         symmetrise(J);
         const Eigen::SelfAdjointEigenSolver<Matrix<N>> information(J);
-        const Vector<N> variance = information.eigenvalues().cwiseMax(1.0 / ceiling->limit).cwiseInverse();
+        const Vector<N> variance = information.eigenvalues().cwiseMax(1.0 / bound.limit).cwiseInverse();
         const Matrix<N>& U = information.eigenvectors();
         Matrix<N> change = U * variance.asDiagonal() * U.transpose() - normalised;
         symmetrise(change);

@@ -14,8 +14,7 @@ class Standard {
     [[nodiscard]] Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
         const Eigen::LLT<Matrix<M>> S(innovation.spread + innovation.noise);
         // With S = L L^T: P H^T L^-T, so that K S K^T is a sum of squares.
-        Matrix<N, M> whitened = innovation.cross;
-        S.matrixL().transpose().template solveInPlace<Eigen::OnTheRight>(whitened);
+        const Matrix<N, M> whitened = S.matrixL().solve(innovation.cross.transpose()).transpose();
         return {whitened * S.matrixL().solve(innovation.residual), rank_update<N>(prior, whitened, -1.0),
                 innovation.present.template cast<double>(), innovation.noise};
     }

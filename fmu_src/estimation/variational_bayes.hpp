@@ -65,6 +65,7 @@ class VariationalBayes {
 
     // What is known of a channel's noise belongs to another source (satellite) from now on.
     void restart(int channel) { a_(channel) = 0.0; }
+    void restart() { a_.setZero(); }
 
     template <class Archive>
     void serialize(Archive& archive) {

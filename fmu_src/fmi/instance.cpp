@@ -8,14 +8,12 @@
 #include <sstream>
 #include <utility>
 
-#include "components/parameter_rules.hpp"
+#include "components/text.hpp"
 #include "fmi/refusal.hpp"
 #include "fmi/snapshot.hpp"
 
 namespace truenorth::fmi {
 namespace {
-
-using rules::text;
 
 constexpr double never = std::numeric_limits<double>::infinity();
 

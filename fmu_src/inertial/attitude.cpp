@@ -32,9 +32,14 @@ EulerAngles euler_angles(const Eigen::Matrix3d& C_bn) {
     // Third row of C_bn: (-cos p sin r, sin p, cos p cos r); second column: (sin h cos p, cos h cos p, sin
     // p).
     double heading = std::atan2(C_bn(0, 1), C_bn(1, 1));
-    if (heading < 0.0) heading += 2.0 * std::numbers::pi;
-    return {std::atan2(-C_bn(2, 0), C_bn(2, 2)), std::atan2(C_bn(2, 1), std::hypot(C_bn(2, 0), C_bn(2, 2))),
-            heading < 2.0 * std::numbers::pi ? heading : 0.0};  // a tiny negative one has become a whole turn
+    if (heading < 0.0) {
+        heading += 2.0 * std::numbers::pi;
+    }
+    return {.roll = std::atan2(-C_bn(2, 0), C_bn(2, 2)),
+            .pitch = std::atan2(C_bn(2, 1), std::hypot(C_bn(2, 0), C_bn(2, 2))),
+            .heading = heading < 2.0 * std::numbers::pi
+                           ? heading
+                           : 0.0};  // a tiny negative one has become a whole turn
 }
 
 Eigen::Quaterniond quaternion(const Eigen::Vector3d& rotation_vector) {

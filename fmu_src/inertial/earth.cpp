@@ -10,7 +10,7 @@ Radii radii(double latitude) {
     const double s = std::sin(latitude);
     const double w2 = 1.0 - kEccentricity2 * s * s;
     const double prime_vertical = kSemiMajorAxis / std::sqrt(w2);
-    return {prime_vertical * (1.0 - kEccentricity2) / w2, prime_vertical};
+    return {.meridian = prime_vertical * (1.0 - kEccentricity2) / w2, .prime_vertical = prime_vertical};
 }
 
 double gravity(double latitude, double height) {
@@ -42,8 +42,9 @@ Eigen::Vector3d position_rate(const Position& position, const Eigen::Vector3d& v
 
 Position displaced(const Position& position, const Eigen::Vector3d& displacement) {
     const Eigen::Vector3d change = position_rate(position, displacement);
-    return {position.latitude + change.x(), wrap_angle(position.longitude + change.y()),
-            position.height + change.z()};
+    return {.latitude = position.latitude + change.x(),
+            .longitude = wrap_angle(position.longitude + change.y()),
+            .height = position.height + change.z()};
 }
 
 Eigen::Vector3d displacement(const Position& from, const Position& to) {

@@ -52,7 +52,7 @@ TEST(Estimator, ResetMovesTheCovarianceWithTheJacobianAtTheEstimate) {
     auto estimator = example();
     const Matrix<4> G = ResettableModel::reset_jacobian(estimator.state);
     const Matrix<4> expected = G * estimator.covariance * G.transpose();
-    estimator.reset(Vector<4>::Zero());
+    estimator.reset();
     EXPECT_LT(relative_difference(estimator.covariance, expected), 1e-14);
     EXPECT_EQ(estimator.covariance, estimator.covariance.transpose());
     EXPECT_EQ(estimator.state, Vector<4>::Zero());

@@ -1,0 +1,28 @@
+// The innovation of a fix that was valid a while ago.
+#pragma once
+
+#include "estimation/model.hpp"
+
+namespace truenorth {
+
+// `since` is the interval from the fix to the present, to which x and P belong. The model is followed back
+// over it: the fix is compared with the state as it was, and H refers to the deviation as it is. The process
+// noise of the interval is neglected; it is that of a fraction of the time between fixes.
+template <ErrorModel M>
+Innovation<M::kStates, M::kMeasurements> innovate_delayed(const M& model, typename M::State x,
+                                                          const Matrix<M::kStates>& P,
+                                                          const typename M::Fix& fix,
+                                                          typename M::Interval since) {
+    since.dt = -since.dt;
+    const Matrix<M::kStates> back = model.transition(x, since);
+    Points<M::kStates, 1> no_deviation = Points<M::kStates, 1>::Zero();
+    model.propagate(x, no_deviation, since);
+    const Matrix<M::kMeasurements, M::kStates> H = model.measurement_matrix(x, fix) * back;
+    const Matrix<M::kStates, M::kMeasurements> cross = P.lazyProduct(H.transpose());
+    Innovation<M::kStates, M::kMeasurements> innovation{model.residual(x, fix), H.lazyProduct(cross),
+                                                        model.measurement_noise(x, fix), cross};
+    remove_absent(model, fix, innovation);
+    return innovation;
+}
+
+}  // namespace truenorth
