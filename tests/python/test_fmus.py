@@ -91,7 +91,11 @@ def test_arrays_elements_and_lists(fmus: Fmus) -> None:
         ("truth.heading", 0.0, "truth.heading is an output of TruthPlant, not a parameter"),
         ("seed", 1.5, "seed: '1.5' is not a whole number"),
         ("seed", True, "seed: 'True' is not a whole number"),
-        ("motion.kind", "shp", "motion.kind: 'shp' is none of ship, parked_vehicle; did you mean 'ship'"),
+        (
+            "motion.kind",
+            "shp",
+            "motion.kind: 'shp' is none of ship, parked_vehicle, flight; did you mean 'ship'",
+        ),
     ],
 )
 def test_refuses_with_name_value_and_rule(fmus: Fmus, name: str, given: object, message: str) -> None:

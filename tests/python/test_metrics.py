@@ -81,7 +81,7 @@ def recorded(error: np.ndarray) -> xr.Dataset:
             "heading_sigma": ("time", np.full(601, 10 * ARCMIN)),
             "converged": ("time", TIME >= 100),
             "nis": ("fix", np.full(600, 2.0)),
-            "innovation": (("fix", "axis2"), np.zeros((600, 2))),
+            "innovation_sigma": (("fix", "axis3"), np.tile([0.1, 0.1, 0.0], (600, 1))),  # up is not measured
             "fix_used": ("fix", TIME[1:] > 1),
             "rejected_fixes": ("fix", np.ones(600, dtype=int)),
         },

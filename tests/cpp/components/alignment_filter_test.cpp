@@ -501,6 +501,22 @@ INSTANTIATE_TEST_SUITE_P(
         BadParameter{"process.angle_random_walk", [](Parameters& p) { p.process.angle_random_walk = -1e-9; }},
         BadParameter{"robust.gamma", [](Parameters& p) { p.robust.gamma = 0.0; }},
         BadParameter{"robust.heading_sigma", [](Parameters& p) { p.robust.heading_sigma = 0.1 * kDegree; }},
+        BadParameter{"igg.k1", [](Parameters& p) { p.igg.k1 = p.igg.k0; }},
+        BadParameter{"velocity_form",
+                     [](Parameters& p) {
+                         p.error_model = alignment_filter::ErrorModel::euler_platform;
+                         p.velocity_form = alignment_filter::VelocityForm::vertical_force;
+                     }},
+        BadParameter{"initial.velocity[2]",
+                     [](Parameters& p) {
+                         p.error_model = alignment_filter::ErrorModel::euler_platform_small;
+                         p.initial.velocity.y() = 1.0;
+                     }},
+        BadParameter{"gnss.lever_arm[1]",
+                     [](Parameters& p) {
+                         p.error_model = alignment_filter::ErrorModel::euler_platform_large_azimuth;
+                         p.gnss.lever_arm.x() = 1.0;
+                     }},
         BadParameter{"unscented.alpha", [](Parameters& p) { p.unscented.alpha = 0.0; }},
         BadParameter{"filter.interval", [](Parameters& p) { p.filter.interval = 0.0; }},
         BadParameter{"initial.latitude", [](Parameters& p) { p.initial.latitude = 1.6; }},

@@ -134,5 +134,23 @@ TEST_F(ImuInputTest, StartForgetsEverything) {
     EXPECT_EQ(read(9, 5.01), Verdict::accepted);
 }
 
+TEST_F(ImuInputTest, ASingleTimeFarAheadIsRefusedAndForgotten) {
+    read(1, 100.01);
+    EXPECT_EQ(read(2, 3600.0), Verdict::rejected);
+    EXPECT_EQ(read(3, 100.03), Verdict::accepted);
+    EXPECT_NEAR(imu.increment().dt, 0.02, 1e-12);
+    EXPECT_EQ(imu.rejected(), 1);
+}
+
+TEST_F(ImuInputTest, ALeapThatTheNextSampleConfirmsIsResumedFrom) {
+    read(1, 100.01);
+    EXPECT_EQ(read(5000, 150.0), Verdict::rejected);
+    EXPECT_EQ(read(5001, 150.01), Verdict::resumed);
+    EXPECT_NEAR(imu.increment().dt, 0.01, 1e-9);
+    EXPECT_EQ(imu.increment().delta_angle, kAngle);  // nothing of the gap is made up
+    EXPECT_EQ(imu.time(), 150.01);
+    EXPECT_EQ(read(5002, 150.02), Verdict::accepted);
+}
+
 }  // namespace
 }  // namespace truenorth
