@@ -330,6 +330,7 @@ void AlignmentFilter::take_sample() {
             }
             const NavigationState before = engine.mechanisation().state;
             engine.mechanise(imu_.increment());
+            engine.doubt(imu_.doubtful_angle(), imu_.doubtful_velocity());
             travelled_.add(before, engine.mechanisation(), imu_.increment().dt);
         },
         engine_);

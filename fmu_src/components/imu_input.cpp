@@ -36,6 +36,15 @@ ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d&
     }
     gap_ = resumes ? 0 : std::max(parts - 1 - rejected_since_, 0);
     missed_ += gap_;
+    const double filled_in = resumes || increment_.dt == 0.0 ? 0.0 : (parts - 1) * part;
+    if (filled_in > 0.0) {
+        doubtful_angle_ = filled_in * (delta_angle / part - increment_.delta_angle / increment_.dt).norm();
+        doubtful_velocity_ =
+            filled_in * (delta_velocity / part - increment_.delta_velocity / increment_.dt).norm();
+    } else {
+        doubtful_angle_ = 0.0;
+        doubtful_velocity_ = 0.0;
+    }
     increment_ = {.dt = dt, .delta_angle = parts * delta_angle, .delta_velocity = parts * delta_velocity};
     time_ = time;
     any_ = true;

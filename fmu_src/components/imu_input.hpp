@@ -35,13 +35,17 @@ class ImuInput {
     [[nodiscard]] double time() const { return time_; }  // end of the last accepted increment, or the start
     [[nodiscard]] bool any() const { return any_; }      // a sample has been accepted
     [[nodiscard]] int gap() const { return gap_; }  // increments missed just before the last accepted one
+    // Of the part of the last accepted increment that was filled in: by how much it would differ had the gap
+    // been filled with the rates before it; angle [rad] and velocity [m/s]. Zero when nothing was.
+    [[nodiscard]] double doubtful_angle() const { return doubtful_angle_; }
+    [[nodiscard]] double doubtful_velocity() const { return doubtful_velocity_; }
     [[nodiscard]] int rejected() const { return rejected_; }
     [[nodiscard]] int missed() const { return missed_; }
 
     template <class Archive>
     void serialize(Archive& archive) {
         archive(increment_, time_, any_, gap_, seen_, accepted_, rejected_, rejected_since_, missed_,
-                leap_sample_, leap_time_);
+                leap_sample_, leap_time_, doubtful_angle_, doubtful_velocity_);
     }
 
   private:
@@ -54,6 +58,8 @@ class ImuInput {
     int rejected_ = 0;
     int rejected_since_ = 0;  // since the last accepted one
     int missed_ = 0;
+    double doubtful_angle_ = 0.0;
+    double doubtful_velocity_ = 0.0;
     int leap_sample_ = 0;  // of the last sample, if it was rejected because its time leapt
     double leap_time_ = std::numeric_limits<double>::quiet_NaN();  // likewise [s]; NaN: it did not
 };

@@ -40,6 +40,13 @@ class NavigationEngine {
     // Back to the prior covariance: the estimate stays, but nothing is known of its error.
     void forget() { estimator.covariance = prior_sigma.cwiseAbs2().asDiagonal(); }
 
+    // What is known of attitude [rad] and velocity [m/s] becomes uncertain by so much more.
+    void doubt(double angle, double velocity) {
+        auto variance = estimator.covariance.diagonal();
+        variance.segment(Where::attitude.first, Where::attitude.count).array() += angle * angle;
+        variance.segment(Where::velocity.first, Where::velocity.count).array() += velocity * velocity;
+    }
+
     // Carries the mechanisation over an increment, freed of the biases that were fed back.
     void mechanise(ImuIncrement increment) {
         increment.delta_angle -= gyro_bias_ * increment.dt;
