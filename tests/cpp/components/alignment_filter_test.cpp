@@ -326,10 +326,7 @@ TEST(AlignmentFilterBadData, OfOneSampleIsBridged) {
     }
     EXPECT_EQ(disturbed.filter.outputs.rejected_samples, 1);
     EXPECT_EQ(disturbed.filter.outputs.missed_samples, 0);
-    // The bridge is exact here, but the filter, which cannot know that, trusts itself a little less
-    // afterwards.
-    EXPECT_NEAR(disturbed.filter.outputs.nav.heading, clean.filter.outputs.nav.heading,
-                1e-4 * clean.filter.outputs.heading_sigma);
+    EXPECT_NEAR(disturbed.filter.outputs.nav.heading, clean.filter.outputs.nav.heading, 1e-9);
     EXPECT_LT((disturbed.filter.outputs.nav.velocity - clean.filter.outputs.nav.velocity).norm(), 1e-7);
 }
 
