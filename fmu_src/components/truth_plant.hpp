@@ -8,10 +8,10 @@
 #include "TruthPlant/variables.hpp"
 #include "components/log.hpp"
 #include "components/serialisation.hpp"
+#include "components/truth_plant_models.hpp"
 #include "plant/channel_allocation.hpp"
-#include "plant/channel_receiver.hpp"
+#include "plant/fix.hpp"
 #include "plant/fix_queue.hpp"
-#include "plant/gnss_receiver.hpp"
 #include "plant/inertial_sensor.hpp"
 #include "plant/receiver_clock.hpp"
 #include "plant/trajectory.hpp"
@@ -24,12 +24,23 @@ class TruthPlant {
     truth_plant::Inputs inputs;
     truth_plant::Outputs outputs;
 
+    // `log` must outlive the plant.
     explicit TruthPlant(Log& log) : log_(&log) {}
 
+    // Begins at `start_time` [s] with these parameters, as if nothing had been before; outputs are valid
+    // afterwards. Throws InvalidParameter.
     void initialise(double start_time);
+
+    // Tunable parameters have changed between two steps. Throws InvalidParameter, and goes on with what was.
     void retune();
+
+    // From `time` to `time + step` [s], a whole number of IMU periods: the increments put out cover all of
+    // them, of several fixes the last is put out and all are counted. Throws std::invalid_argument for a step
+    // that cannot be made, and nothing has changed then; std::runtime_error when the motion comes to a pole
+    // on the way, and the run is over then.
     void step(double time, double step);
 
+    // The complete state, as bytes; what follows from the parameters is made anew.
     template <class Archive>
     void serialize(Archive& archive) {
         archive(parameters, inputs, outputs, state_);
@@ -39,19 +50,7 @@ class TruthPlant {
     }
 
   private:
-    // Constant between two calls of initialise() and retune(): a function of the parameters.
-    struct Models {
-        explicit Models(const truth_plant::Parameters& parameters);
-
-        plant::Trajectory trajectory;
-        plant::InertialSensor gyro;
-        plant::InertialSensor accelerometer;
-        plant::GnssReceiver receiver;
-        plant::ChannelReceiver channel_receiver;
-        plant::ReceiverClock clock;
-        std::uint64_t samples_per_fix;
-        std::uint64_t samples_of_latency;
-    };
+    using Models = truth_plant::Models;
 
     struct State {
         bool initialised = false;
@@ -71,14 +70,17 @@ class TruthPlant {
         }
     };
 
+    // One IMU period: the motion, and what the IMU makes of it.
     void sample(const Models& models);
+    // The fix that becomes valid at this IMU sample, and the fixes that appear at it.
     void receive(const Models& models);
+    // The antenna's true state, as the receiver would see it without errors and channels.
     [[nodiscard]] plant::Fix antenna(const Models& models) const;
     void put_out(const plant::Fix& fix);
     void put_out_truth(const Models& models);
 
     Log* log_;
-    std::optional<Models> models_;
+    std::optional<Models> models_;  // constant between two calls of initialise() and retune()
     State state_;
 };
 

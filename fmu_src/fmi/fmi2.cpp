@@ -147,7 +147,8 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
             return std::make_unique<Instance>(truenorth::fmi::this_fmu(), sink, logging != fmi2False)
                 .release();
         } catch (const std::exception& reason) {
-            Journal(sink, false).error(std::string("fmi2Instantiate: ") + reason.what());
+            Journal(sink, truenorth::fmi::this_fmu().log, false)
+                .error(std::string("fmi2Instantiate: ") + reason.what());
         }
     } catch (...) {  // no memory for the line, or a logger that throws
         return nullptr;

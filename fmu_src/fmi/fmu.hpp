@@ -5,7 +5,8 @@
 #include <memory>
 
 #include "components/log.hpp"
-#include "fmi/model.hpp"
+#include "fmi/component.hpp"
+#include "fmi/journal.hpp"
 
 namespace truenorth::fmi {
 
@@ -16,7 +17,8 @@ struct Identity {
 
 struct Fmu {
     Identity identity;
-    std::unique_ptr<Model> (*make_model)(Log&);
+    LogCategories log;
+    std::unique_ptr<Component> (*make_component)(Log&);
 };
 
 [[nodiscard]] Fmu this_fmu();

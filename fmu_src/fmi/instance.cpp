@@ -57,7 +57,10 @@ void require_finite(const char* what, double value) {
 }  // namespace
 
 Instance::Instance(const Fmu& fmu, Journal::Sink sink, bool events)
-    : fmu_(fmu), journal_(std::move(sink), events), model_(fmu.make_model(journal_)), stop_time_(never) {}
+    : fmu_(fmu),
+      journal_(std::move(sink), fmu.log, events),
+      component_(fmu.make_component(journal_)),
+      stop_time_(never) {}
 
 // ------------------------------------------------------------------ order of calls
 
@@ -103,7 +106,7 @@ void Instance::initialise() {
     if (initialised_ || phase_ != Phase::initialising) {
         return;
     }
-    model_->initialise(start_time_);
+    component_->initialise(start_time_);
     initialised_ = true;
 }
 
@@ -124,7 +127,7 @@ void Instance::step(double time, double size) {
                       " s");
     }
     try {
-        model_->step(time, size);
+        component_->step(time, size);
     } catch (const std::invalid_argument&) {  // a step that the component cannot make; nothing has changed
         throw;
     } catch (...) {
@@ -140,7 +143,7 @@ void Instance::terminate() {
 }
 
 void Instance::reset() {
-    model_ = fmu_.make_model(journal_);
+    component_ = fmu_.make_component(journal_);
     phase_ = Phase::instantiated;
     start_time_ = time_ = 0.0;
     stop_time_ = never;
@@ -150,7 +153,7 @@ void Instance::reset() {
 // ------------------------------------------------------------------ variables
 
 const Variable& Instance::variable(unsigned reference, Type type) const {
-    const Variable* variable = model_->find(reference);
+    const Variable* variable = component_->find(reference);
     if (variable == nullptr) {
         throw Refusal("there is no variable with the value reference " + std::to_string(reference));
     }
@@ -163,7 +166,7 @@ const Variable& Instance::variable(unsigned reference, Type type) const {
 
 bool Instance::any_of(std::span<const unsigned> references, Causality causality) const {
     return std::ranges::any_of(
-        references, [&](unsigned reference) { return model_->find(reference)->causality == causality; });
+        references, [&](unsigned reference) { return component_->find(reference)->causality == causality; });
 }
 
 void Instance::require_readable(std::span<const unsigned> references, Type type) const {
@@ -207,7 +210,7 @@ State* Instance::find(const State* state) const {
 State* Instance::save(State* overwritten) {
     State* const reused = overwritten == nullptr ? nullptr : find(overwritten);
     std::ostringstream stream;
-    model_->save(stream);
+    component_->save(stream);
     cereal::BinaryOutputArchive archive(stream);
     serialize_progress(archive);
     std::string bytes = pack(fmu_.identity, stream.str());
@@ -225,11 +228,11 @@ State* Instance::import_state(std::span<const char> bytes) {
 
 void Instance::restore(const State* state) {
     std::istringstream stream(unpack(fmu_.identity, find(state)->bytes()));
-    auto model = fmu_.make_model(journal_);
-    model->load(stream);
+    auto component = fmu_.make_component(journal_);
+    component->load(stream);
     cereal::BinaryInputArchive archive(stream);
     serialize_progress(archive);
-    model_ = std::move(model);
+    component_ = std::move(component);
 }
 
 void Instance::release(const State* state) {

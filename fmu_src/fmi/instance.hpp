@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "fmi/component.hpp"
 #include "fmi/fmu.hpp"
 #include "fmi/journal.hpp"
-#include "fmi/model.hpp"
 
 namespace truenorth::fmi {
 
@@ -78,7 +78,7 @@ class Instance {
 
     Fmu fmu_;
     Journal journal_;
-    std::unique_ptr<Model> model_;
+    std::unique_ptr<Component> component_;
     std::vector<std::unique_ptr<State>> states_;
 
     Phase phase_ = Phase::instantiated;
@@ -96,7 +96,7 @@ void Instance::get(std::span<const unsigned> references, std::span<External> val
     }
     for (std::size_t i = 0; i < references.size(); ++i) {
         T value{};
-        model_->get(references[i], value);
+        component_->get(references[i], value);
         values[i] = static_cast<External>(value);
     }
 }
@@ -106,11 +106,11 @@ void Instance::set(std::span<const unsigned> references, std::span<const Externa
     require_settable(references, type_of<T>);
     const auto store = [&] {
         for (std::size_t i = 0; i < references.size(); ++i) {
-            model_->set(references[i], static_cast<T>(values[i]));
+            component_->set(references[i], static_cast<T>(values[i]));
         }
     };
     if (phase_ == Phase::stepping && any_of(references, Causality::tunable)) {
-        model_->retune(store);
+        component_->retune(store);
         return;
     }
     store();

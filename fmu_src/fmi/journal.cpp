@@ -12,15 +12,15 @@ void Journal::enable(bool on, std::span<const std::string_view> categories) {
         errors = errors || on;
     }
     for (const std::string_view category : categories) {
-        const bool every = category == every_category;
-        if (!every && category != events_category && category != errors_category) {
+        const bool every = category == categories_.every;
+        if (!every && category != categories_.events && category != categories_.errors) {
             throw Refusal("there is no log category '" + std::string(category) + "'; there are " +
-                          errors_category + ", " + events_category + " and " + every_category);
+                          categories_.errors + ", " + categories_.events + " and " + categories_.every);
         }
-        if (every || category == events_category) {
+        if (every || category == categories_.events) {
             events = on;
         }
-        if (every || category == errors_category) {
+        if (every || category == categories_.errors) {
             errors = on;
         }
     }
@@ -30,13 +30,13 @@ void Journal::enable(bool on, std::span<const std::string_view> categories) {
 
 void Journal::event(const std::string& text) {
     if (events_) {
-        sink_(Severity::information, events_category, text.c_str());
+        sink_(Severity::information, categories_.events, text.c_str());
     }
 }
 
 void Journal::error(const std::string& text) const {
     if (errors_) {
-        sink_(Severity::error, errors_category, text.c_str());
+        sink_(Severity::error, categories_.errors, text.c_str());
     }
 }
 

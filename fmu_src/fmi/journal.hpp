@@ -11,17 +11,21 @@
 
 namespace truenorth::fmi {
 
+// Names, as the model description declares them.
+struct LogCategories {
+    const char* errors;  // calls that were refused
+    const char* events;  // what happened in a step
+    const char* every;   // both
+};
+
 class Journal final : public Log {
   public:
     enum class Severity : std::uint8_t { information, error };
     using Sink = std::function<void(Severity severity, const char* category, const char* text)>;
 
-    static constexpr const char* errors_category = "logStatusError";
-    static constexpr const char* events_category = "logEvents";
-    static constexpr const char* every_category = "logAll";
-
     // Errors are always worth a line unless they are switched off by name; events are for who asks.
-    Journal(Sink sink, bool events) : sink_(std::move(sink)), events_(events) {}
+    Journal(Sink sink, const LogCategories& categories, bool events)
+        : sink_(std::move(sink)), categories_(categories), events_(events) {}
 
     // No category: the debug log as a whole, that is, events. Throws Refusal for an unknown category.
     void enable(bool on, std::span<const std::string_view> categories);
@@ -32,6 +36,7 @@ class Journal final : public Log {
 
   private:
     Sink sink_;
+    LogCategories categories_;
     bool events_;
     bool errors_ = true;
 };

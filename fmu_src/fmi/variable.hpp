@@ -24,17 +24,18 @@ struct Variable {
     Type type;
 };
 
-template <class Component, class T>
+// How to reach a variable of type T in a component of the class C.
+template <class C, class T>
 struct Access {
-    T (*get)(const Component&);
-    void (*set)(Component&, T);  // nullptr: an output
+    T (*get)(const C&);
+    void (*set)(C&, T);  // nullptr: an output
 };
 
 // One row of a generated variable table; a variable's reference is the number of its row.
-template <class Component>
+template <class C>
 struct Row {
     Variable variable;
-    std::variant<Access<Component, double>, Access<Component, int>, Access<Component, bool>> access;
+    std::variant<Access<C, double>, Access<C, int>, Access<C, bool>> access;
 };
 
 }  // namespace truenorth::fmi

@@ -2,17 +2,17 @@
 
 #include <cmath>
 
-#include "plant/earth_fixed.hpp"
+#include "inertial/earth.hpp"
 
 namespace truenorth::plant {
 
 std::array<Channel, kChannels> ChannelReceiver::measure(std::uint64_t fix, const Fix& truth,
                                                         const ReceiverClock::State& clock,
                                                         ChannelAllocation& allocation) const {
-    const Eigen::Vector3d antenna = earth_fixed(truth.position);
-    const Eigen::Matrix3d C = C_ne(truth.position);
-    const Eigen::Vector3d velocity = C * truth.velocity;
-    const Eigen::Vector3d up = C.col(2);
+    const Eigen::Vector3d antenna = earth::ecef(truth.position);
+    const Eigen::Matrix3d C_en = earth::C_en(truth.position);
+    const Eigen::Vector3d velocity = C_en.transpose() * truth.velocity;
+    const Eigen::Vector3d up = C_en.row(2);
     const auto satellites = constellation(reception_.constellation_epoch + truth.time);
 
     ChannelAllocation::Elevations sines{};

@@ -1,3 +1,4 @@
+{% from 'log_categories.jinja' import log_categories %}
 // Generated from modelDescription/{{ component.name }}.toml; do not edit.
 #include <array>
 #include <memory>
@@ -28,10 +29,18 @@ constexpr std::array<Row<C>, {{ component.scalars | length }}> table{ {
 {% endfor %}
 } };
 
-std::unique_ptr<Model> make_model(Log& log) { return std::make_unique<ComponentModel<C>>(table, log); }
+std::unique_ptr<Component> make_component(Log& log) {
+    return std::make_unique<TabledComponent<C>>(table, log);
+}
+
+constexpr LogCategories log_categories{
+{% for role, category in log_categories.items() %}
+    .{{ role }} = "{{ category.name }}",
+{% endfor %}
+};
 
 }  // namespace
 
-Fmu this_fmu() { return { {"{{ component.name }}", guid()}, make_model}; }
+Fmu this_fmu() { return { {"{{ component.name }}", guid()}, log_categories, make_component}; }
 
 }  // namespace truenorth::fmi

@@ -3,28 +3,12 @@
 #pragma once
 
 #include <cmath>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "components/alignment_filter.hpp"
+#include "lines.hpp"
 
 namespace truenorth {
-
-// Keeps every line.
-class Lines : public Log {
-  public:
-    [[nodiscard]] bool listens() const override { return true; }
-    void event(const std::string& text) override { lines.push_back(text); }
-
-    [[nodiscard]] int with(const std::string& part) const {
-        int count = 0;
-        for (const std::string& line : lines) count += line.find(part) != std::string::npos ? 1 : 0;
-        return count;
-    }
-
-    std::vector<std::string> lines;
-};
 
 struct Turntable {
     double roll = 0.02;    // [rad]

@@ -18,6 +18,7 @@ class JournalTest : public testing::Test {
                         const char* prefix = severity == Journal::Severity::error ? "error " : "";
                         lines.push_back(std::string(prefix) + category + ": " + text);
                     },
+                    {.errors = "errors", .events = "events", .every = "all"},
                     false};
 
     void enable(bool on, std::vector<std::string_view> categories = {}) { journal.enable(on, categories); }
@@ -27,14 +28,14 @@ TEST_F(JournalTest, EventsAreForWhoAsksAndErrorsForEverybody) {
     journal.event("a");
     journal.error("b");
     EXPECT_FALSE(journal.listens());
-    enable(true, {"logEvents"});
+    enable(true, {"events"});
     EXPECT_TRUE(journal.listens());
     journal.event("100 % of %s");
-    EXPECT_EQ(lines, (std::vector<std::string>{"error logStatusError: b", "logEvents: 100 % of %s"}));
+    EXPECT_EQ(lines, (std::vector<std::string>{"error errors: b", "events: 100 % of %s"}));
 }
 
 TEST_F(JournalTest, AnUnknownCategoryChangesNothing) {
-    EXPECT_THROW(enable(true, {"logEvents", "logNonsense"}), Refusal);
+    EXPECT_THROW(enable(true, {"events", "nonsense"}), Refusal);
     EXPECT_FALSE(journal.listens());
 }
 
@@ -43,7 +44,7 @@ TEST_F(JournalTest, SwitchingTheDebugLogOffKeepsTheErrors) {
     enable(false);
     journal.event("a");
     journal.error("b");
-    EXPECT_EQ(lines, std::vector<std::string>{"error logStatusError: b"});
+    EXPECT_EQ(lines, std::vector<std::string>{"error errors: b"});
 }
 
 }  // namespace

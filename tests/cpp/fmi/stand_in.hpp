@@ -8,8 +8,8 @@
 
 #include "components/log.hpp"
 #include "components/parameter_rules.hpp"
+#include "fmi/component.hpp"
 #include "fmi/fmu.hpp"
-#include "fmi/model.hpp"
 
 namespace truenorth::test {
 
@@ -102,8 +102,9 @@ inline fmi::Fmu stand_in() {
     };
     return {
         .identity = {.name = "StandIn", .guid = "{stand-in}"},
-        .make_model = [](Log& log) -> std::unique_ptr<fmi::Model> {
-            return std::make_unique<fmi::ComponentModel<StandIn>>(table, log);
+        .log = {.errors = "errors", .events = "events", .every = "every"},
+        .make_component = [](Log& log) -> std::unique_ptr<fmi::Component> {
+            return std::make_unique<fmi::TabledComponent<StandIn>>(table, log);
         },
     };
 }

@@ -149,6 +149,14 @@ TEST(Ecef, IsThatOfPymap3d) {
     const Eigen::Vector3d seen(660930.192761, -4701424.222957, 4246579.604633);
     const Eigen::Vector3d enu(186.277521, 286.842228, 939.692621);
     EXPECT_LT((C_en(observer) * (seen - expected) - enu).norm(), 1e-5);
+
+    // South and west, below the ellipsoid: geodetic2ecef and enu2uvw of pymap3d 3.2.
+    const Position patagonia{.latitude = -52.7 * degree, .longitude = -71.2 * degree, .height = -30.0};
+    const Eigen::Vector3d there(1248222.4686492707, -3666629.411366361, -5050358.315221021);
+    EXPECT_LT((ecef(patagonia) - there).norm(), 1e-8);
+    const Position china{.latitude = 38.03 * degree, .longitude = 114.26 * degree, .height = 1234.5};
+    const Eigen::Vector3d turned(-1.3763591848666914, 0.6201680163235264, 3.4235985491529872);
+    EXPECT_LT((C_en(china).transpose() * Eigen::Vector3d(1.0, 2.0, 3.0) - turned).norm(), 1e-14);
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "inertial/ecef.hpp"
 #include "plant/constellation.hpp"
-#include "plant/earth_fixed.hpp"
 #include "plant/motions.hpp"
 #include "plant/trajectory.hpp"
 
@@ -22,8 +22,8 @@ ChannelReceiver::Reception reception() { return {.mask_angle = kMask, .limited =
 Fix still(double time) { return {.time = time, .position = kPlace}; }
 
 double elevation(const Channel& channel) {
-    const Eigen::Vector3d sight = channel.satellite_position - earth_fixed(kPlace);
-    return std::asin(C_ne(kPlace).col(2).dot(sight.normalized()));
+    const Eigen::Vector3d sight = channel.satellite_position - ecef::coordinates(kPlace);
+    return std::asin(ecef::axes(kPlace).col(2).dot(sight.normalized()));
 }
 
 // By number of the satellite.
@@ -48,7 +48,8 @@ TEST(ChannelReceiver, ThePseudorangeIsTheDistanceAndTheClockBias) {
         const Satellite& satellite = satellites[static_cast<std::size_t>(number) - 1];
         EXPECT_EQ(channel.satellite_position, satellite.position);
         EXPECT_EQ(channel.satellite_velocity, satellite.velocity);
-        EXPECT_NEAR(channel.pseudorange, (satellite.position - earth_fixed(kPlace)).norm() + 250.0, 1e-7);
+        EXPECT_NEAR(channel.pseudorange, (satellite.position - ecef::coordinates(kPlace)).norm() + 250.0,
+                    1e-7);
     }
 }
 

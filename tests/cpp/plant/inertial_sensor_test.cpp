@@ -206,27 +206,37 @@ TEST_P(SensorOfSeed, WhiteNoiseHasItsDensity) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, SensorOfSeed, testing::Values(1U, 2U, 3U));
 
-// Autocovariance between sample 1 and sample 1 + lag, over an ensemble of runs (three axes each).
-double autocovariance(const InertialSensor::Errors& errors, int lag, int runs) {
+constexpr int kRuns = 4000;
+
+// Autocovariance between sample 1 and sample 1 + lag, over an ensemble of kRuns runs (three axes each).
+double autocovariance(const InertialSensor::Errors& errors, int lag) {
     double sum = 0.0;
-    for (int run = 1; run <= runs; ++run) {
-        const auto x = measure(errors, static_cast<std::uint32_t>(run), lag + 1, Eigen::Vector3d::Zero());
+    for (std::uint32_t run = 1; run <= kRuns; ++run) {
+        const auto x = measure(errors, run, lag + 1, Eigen::Vector3d::Zero());
         sum += x.front().dot(x.back()) / (kPeriod * kPeriod);
     }
-    return sum / (3.0 * runs);
+    return sum / (3.0 * kRuns);
 }
 
 // Sigma of an estimated autocovariance of unit-variance normal numbers: sqrt((1 + rho^2) / n).
-double bound(double rho, int runs) { return kSigmas * std::sqrt((1.0 + rho * rho) / (3.0 * runs)); }
+double bound(double rho) { return kSigmas * std::sqrt((1.0 + rho * rho) / (3.0 * kRuns)); }
+
+// The variance of noise of sigma 1 is 1 at sample number `sample` too.
+void expect_stationary(const InertialSensor::Errors& errors, int sample) {
+    double sum = 0.0;
+    for (std::uint32_t run = 1; run <= kRuns; ++run) {
+        sum += measure(errors, run, sample, Eigen::Vector3d::Zero()).back().squaredNorm();
+    }
+    EXPECT_NEAR(sum / (3.0 * kRuns * kPeriod * kPeriod), 1.0, bound(1.0)) << "sample " << sample;
+}
 
 TEST(InertialSensor, GaussMarkovNoiseHasItsSigmaAndCorrelationTime) {
     InertialSensor::Errors errors;
     errors.markov_sigma = 1.0;
     errors.markov_time = 0.5;
-    constexpr int runs = 4000;
     for (const int lag : {0, 10, 50, 150}) {
         const double rho = std::exp(-lag * kPeriod / errors.markov_time);
-        EXPECT_NEAR(autocovariance(errors, lag, runs), rho, bound(rho, runs)) << "lag " << lag;
+        EXPECT_NEAR(autocovariance(errors, lag), rho, bound(rho)) << "lag " << lag;
     }
 }
 
@@ -234,12 +244,7 @@ TEST(InertialSensor, GaussMarkovNoiseIsStationary) {
     InertialSensor::Errors errors;
     errors.markov_sigma = 1.0;
     errors.markov_time = 0.5;
-    constexpr int runs = 4000;
-    double late = 0.0;
-    for (std::uint32_t run = 1; run <= runs; ++run) {
-        late += measure(errors, run, 200, Eigen::Vector3d::Zero()).back().squaredNorm() / (kPeriod * kPeriod);
-    }
-    EXPECT_NEAR(late / (3.0 * runs), 1.0, bound(1.0, runs));
+    expect_stationary(errors, 200);
 }
 
 // Autocorrelation of the band-pass filter's output.
@@ -253,10 +258,9 @@ void expect_wave_autocorrelation(double period, double damping, std::initializer
     errors.wave_sigma = 1.0;
     errors.wave_period = period;
     errors.wave_damping = damping;
-    constexpr int runs = 4000;
     for (const int lag : lags) {
         const double rho = wave_autocorrelation(damping, 2.0 * std::numbers::pi * lag * kPeriod / period);
-        EXPECT_NEAR(autocovariance(errors, lag, runs), rho, bound(rho, runs)) << "lag " << lag;
+        EXPECT_NEAR(autocovariance(errors, lag), rho, bound(rho)) << "lag " << lag;
     }
 }
 
@@ -273,12 +277,7 @@ TEST(InertialSensor, WaveNoiseIsStationary) {
     InertialSensor::Errors errors;
     errors.wave_sigma = 1.0;
     errors.wave_period = 0.8;
-    constexpr int runs = 4000;
-    double late = 0.0;
-    for (std::uint32_t run = 1; run <= runs; ++run) {
-        late += measure(errors, run, 300, Eigen::Vector3d::Zero()).back().squaredNorm() / (kPeriod * kPeriod);
-    }
-    EXPECT_NEAR(late / (3.0 * runs), 1.0, bound(1.0, runs));
+    expect_stationary(errors, 300);
 }
 
 // Mean periodogram at `frequency` [Hz], Hann window, over an ensemble of runs (three axes each).

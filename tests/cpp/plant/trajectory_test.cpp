@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "inertial/ecef.hpp"
 #include "inertial/mechanisation.hpp"
 #include "plant/motions.hpp"
 
@@ -115,25 +116,6 @@ TEST(Trajectory, TheRateOfTheImuDoesNotMatter) {
 
 // ---------------------------------------------------------------- against the Earth-fixed frame e
 
-Eigen::Vector3d earth_fixed(const earth::Position& p) {
-    const double N = earth::radii(p.latitude).prime_vertical;
-    return {(N + p.height) * std::cos(p.latitude) * std::cos(p.longitude),
-            (N + p.height) * std::cos(p.latitude) * std::sin(p.longitude),
-            (N * (1.0 - earth::kEccentricity2) + p.height) * std::sin(p.latitude)};
-}
-
-Eigen::Matrix3d C_ne(const earth::Position& p) {
-    const double s = std::sin(p.latitude);
-    const double c = std::cos(p.latitude);
-    const double sl = std::sin(p.longitude);
-    const double cl = std::cos(p.longitude);
-    Eigen::Matrix3d m;
-    m << -sl, -s * cl, c * cl,  //
-        cl, -s * sl, c * sl,    //
-        0.0, c, s;
-    return m;
-}
-
 constexpr double kStep = 0.05;
 
 // The trajectory at `time` and at one and two steps of kStep before and after it.
@@ -166,20 +148,20 @@ TEST(Trajectory, RatesAgreeWithDerivativesInTheEarthFixedFrame) {
     std::array<Eigen::Matrix3d, 5> C_be;
     for (std::size_t i = 0; i < 5; ++i) {
         const earth::Position position = trajectory.position(states[i]);
-        r[i] = earth_fixed(position);
-        C_be[i] = C_ne(position) * states[i].kinematics.C_bn;
+        r[i] = ecef::coordinates(position);
+        C_be[i] = ecef::axes(position) * states[i].kinematics.C_bn;
     }
     const Eigen::Vector3d velocity = first_derivative(r);
     const earth::Position position = trajectory.position(states[2]);
     const Eigen::Vector3d gravity =
-        C_ne(position) * Eigen::Vector3d(0, 0, -earth::gravity(position.latitude, position.height));
+        ecef::axes(position) * Eigen::Vector3d(0, 0, -earth::gravity(position.latitude, position.height));
     const Eigen::Vector3d f_b =
         C_be[2].transpose() * (second_derivative(r) - gravity + 2.0 * Omega.cross(velocity));
     const Eigen::Matrix3d omega_eb_b = C_be[2].transpose() * first_derivative(C_be);
     const Eigen::Vector3d omega_ib_b =
         Eigen::Vector3d(omega_eb_b(2, 1), omega_eb_b(0, 2), omega_eb_b(1, 0)) + C_be[2].transpose() * Omega;
 
-    EXPECT_LT((C_ne(position).transpose() * velocity - states[2].kinematics.velocity).norm(), 1e-6);
+    EXPECT_LT((ecef::axes(position).transpose() * velocity - states[2].kinematics.velocity).norm(), 1e-6);
     EXPECT_LT((f_b - states[2].rates.f_b).norm(), 2e-6);  // rounding of r: 1e-9 m / kStep^2
     EXPECT_LT((omega_ib_b - states[2].rates.omega_ib_b).norm(), 1e-6);
 }
@@ -190,10 +172,10 @@ TEST(Trajectory, VelocityOfALeverArmIsTheDerivativeOfItsPosition) {
     const auto states = around(trajectory, 30.0);
     std::array<Eigen::Vector3d, 5> r;
     for (std::size_t i = 0; i < 5; ++i) {
-        r[i] = earth_fixed(displaced(trajectory.position(states[i]), states[i].kinematics, lever_arm));
+        r[i] = ecef::coordinates(displaced(trajectory.position(states[i]), states[i].kinematics, lever_arm));
     }
     const earth::Position imu = trajectory.position(states[2]);
-    const Eigen::Vector3d velocity = C_ne(imu) * velocity_at(imu, states[2].kinematics, lever_arm);
+    const Eigen::Vector3d velocity = ecef::axes(imu) * velocity_at(imu, states[2].kinematics, lever_arm);
     EXPECT_LT((first_derivative(r) - velocity).norm(), 1e-5);
 }
 

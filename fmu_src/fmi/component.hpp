@@ -13,14 +13,14 @@
 
 namespace truenorth::fmi {
 
-class Model {
+class Component {
   public:
-    Model() = default;
-    Model(const Model&) = delete;
-    Model(Model&&) = delete;
-    Model& operator=(const Model&) = delete;
-    Model& operator=(Model&&) = delete;
-    virtual ~Model() = default;
+    Component() = default;
+    Component(const Component&) = delete;
+    Component(Component&&) = delete;
+    Component& operator=(const Component&) = delete;
+    Component& operator=(Component&&) = delete;
+    virtual ~Component() = default;
 
     // nullptr: there is no such reference.
     [[nodiscard]] virtual const Variable* find(unsigned reference) const = 0;
@@ -50,10 +50,11 @@ class Model {
     virtual void retune_with(std::function<void()> change) = 0;
 };
 
-template <class Component>
-class ComponentModel final : public Model {
+// A component of the class C, through its generated table.
+template <class C>
+class TabledComponent final : public Component {
   public:
-    ComponentModel(std::span<const Row<Component>> table, Log& log) : table_(table), component_(log) {}
+    TabledComponent(std::span<const Row<C>> table, Log& log) : table_(table), component_(log) {}
 
     [[nodiscard]] const Variable* find(unsigned reference) const override {
         return reference < table_.size() ? &table_[reference].variable : nullptr;
@@ -76,12 +77,12 @@ class ComponentModel final : public Model {
   private:
     template <class T>
     [[nodiscard]] T read(unsigned reference) const {
-        return std::get<Access<Component, T>>(table_[reference].access).get(component_);
+        return std::get<Access<C, T>>(table_[reference].access).get(component_);
     }
 
     template <class T>
     void write(unsigned reference, T value) {
-        std::get<Access<Component, T>>(table_[reference].access).set(component_, value);
+        std::get<Access<C, T>>(table_[reference].access).set(component_, value);
     }
 
     void retune_with(std::function<void()> change) override {
@@ -96,8 +97,8 @@ class ComponentModel final : public Model {
         }
     }
 
-    std::span<const Row<Component>> table_;
-    Component component_;
+    std::span<const Row<C>> table_;
+    C component_;
 };
 
 }  // namespace truenorth::fmi

@@ -1,0 +1,32 @@
+// What the plant is made of, as its parameters say: motion, sensors, receiver, clock.
+#pragma once
+
+#include <cstdint>
+
+#include "TruthPlant/variables.hpp"
+#include "plant/channel_receiver.hpp"
+#include "plant/gnss_receiver.hpp"
+#include "plant/inertial_sensor.hpp"
+#include "plant/receiver_clock.hpp"
+#include "plant/trajectory.hpp"
+
+namespace truenorth::truth_plant {
+
+// Tolerance when a number of IMU periods is taken for a whole number.
+inline constexpr double kWhole = 1e-3;
+
+// A function of the parameters alone.
+struct Models {
+    explicit Models(const Parameters& parameters);
+
+    plant::Trajectory trajectory;
+    plant::InertialSensor gyro;
+    plant::InertialSensor accelerometer;
+    plant::GnssReceiver receiver;
+    plant::ChannelReceiver channel_receiver;
+    plant::ReceiverClock clock;
+    std::uint64_t samples_per_fix;
+    std::uint64_t samples_of_latency;
+};
+
+}  // namespace truenorth::truth_plant
