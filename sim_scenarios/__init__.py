@@ -11,11 +11,15 @@ Whatever the command `truenorth` does is one function call here::
 and `sim_scenarios.report.report_run(run, folder)` writes the page with the pictures.
 """
 
-from sim_scenarios.errors import InputError, SimulationError
-from sim_scenarios.metrics import Verdict, judge
-from sim_scenarios.recorded_imu import Start, ZeroVelocity, replay
-from sim_scenarios.recording import load, save
-from sim_scenarios.simulation import bound, compare, run
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sim_scenarios.errors import InputError, SimulationError
+    from sim_scenarios.metrics import Verdict, judge
+    from sim_scenarios.recorded_imu import Start, ZeroVelocity, replay
+    from sim_scenarios.recording import load, save
+    from sim_scenarios.simulation import bound, compare, run
 
 __all__ = [
     "InputError",
@@ -31,3 +35,19 @@ __all__ = [
     "run",
     "save",
 ]
+
+_HOMES = {
+    "errors": ("InputError", "SimulationError"),
+    "metrics": ("Verdict", "judge"),
+    "recorded_imu": ("Start", "ZeroVelocity", "replay"),
+    "recording": ("load", "save"),
+    "simulation": ("bound", "compare", "run"),
+}
+
+
+def __getattr__(name: str) -> object:
+    """What the package offers, imported when it is first asked for: `truenorth --help` needs none of it."""
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f"{__name__}.{module}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

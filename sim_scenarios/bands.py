@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sim_scenarios.metrics import judge
+from sim_scenarios.metrics.alignment import judge
 from sim_scenarios.simulation import compare
 from sim_scenarios.units import ARCMIN
 

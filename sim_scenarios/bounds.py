@@ -4,16 +4,26 @@ For a linear system with Gaussian noise the bound is the covariance of the match
 Muravchik and Nehorai 1998, IEEE Trans. Signal Process. 46(5), eq. 21). The errors of an inertial navigator
 are linear when they are small, so the filter is linearised at the truth; with the states ::
 
-    x = [phi (attitude), dv (velocity), eps (gyro bias), nabla (accelerometer bias)]      12 states
+    x = [phi (attitude), dv (velocity), eps (gyro bias), nabla (accelerometer bias), dr (position)]
 
-its error model in ENU is (Zhou 2011, eqs. 12 and 13, for small angles) ::
+of which dr counts only where positions are measured, its error model in ENU is (Zhou 2011, eqs. 12 and 13,
+for small angles; computed minus true) ::
 
-    phi' = -w_in x phi + dw_en(dv) - C_bn eps                + gyro noise
-    dv'  =  f_n x phi - (2 w_ie + w_en) x dv + C_bn nabla    + accelerometer noise
+    phi' = -w_in x phi + dw_en(dv) - C_bn eps + gyro noise
+    dv'  =  f_n x phi - (2 w_ie + w_en) x dv + v x dw_en(dv) + C_bn nabla + 2 g / R dr_up
+            + accelerometer noise
+    dr'  =  dv - w_en x dr
     eps' = 0,  nabla' = 0
 
-and GNSS observes dv. No filter that knows these statistics has a smaller mean square heading error, whatever
-its algorithm; RMS over time of sigma(phi_up) is the figure to hold a filter's RMSE against.
+What the latitude error does to w_ie is left out (below 1e-5 of it for tens of metres). GNSS observes velocity
+and position of its antenna, at the lever arm l from the IMU; with w the body rate against the Earth (known up
+to a gyro bias that matters nothing here) ::
+
+    z_v = dv + C_bn (w x l) x phi,   z_r = dr + C_bn l x phi
+
+No filter that knows these statistics has a smaller mean square error, whatever its algorithm; RMS over time
+of sigma(phi_up) is the figure to hold a filter's heading RMSE against. It is a mean over many runs: a single
+run may well lie below.
 """
 
 from __future__ import annotations
@@ -24,14 +34,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim_scenarios.attitude import skew
-from sim_scenarios.earth import curvature, earth_rate, gravity
+from sim_scenarios.earth import EARTH_RATE, curvature, earth_rate, gravity, radii
 from sim_scenarios.errors import InputError
 from sim_scenarios.units import DEGREE, HOUR, STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 
-ATTITUDE, VELOCITY, GYRO_BIAS, ACCELEROMETER_BIAS = (slice(i, i + 3) for i in (0, 3, 6, 9))
-STATES = 12
+ATTITUDE, VELOCITY, GYRO_BIAS, ACCELEROMETER_BIAS, POSITION = (slice(i, i + 3) for i in (0, 3, 6, 9, 12))
 HEADING = 2
 
 
@@ -64,8 +73,9 @@ class Trajectory:
 class Knowledge:
     """What is known before and besides the measurements: prior sigmas, noise densities, GNSS; SI units.
 
-    The defaults are those of the scenario of Zhou 2011. The velocity of GNSS may have a sigma for each axis
-    (east, north, up).
+    The defaults are those of the scenario of Zhou 2011. Sigmas of GNSS may be given for each axis (east,
+    north, up); without one of the position there are no positions. The lever arm runs from the IMU to the
+    antenna (right, forward, up).
     """
 
     tilt_sigma: float = 1.0 * DEGREE
@@ -73,10 +83,17 @@ class Knowledge:
     velocity_sigma: float = 0.15
     gyro_bias_sigma: float = 0.05 * DEGREE / HOUR
     accelerometer_bias_sigma: float = 1e-3 * STANDARD_GRAVITY
+    position_sigma: float = 5.0
     angle_random_walk: float = 0.005 * DEGREE / HOUR**0.5
     velocity_random_walk: float = 50e-6 * STANDARD_GRAVITY
     gnss_velocity_sigma: float | tuple[float, float, float] = 0.1
+    gnss_position_sigma: float | tuple[float, float, float] | None = None
     gnss_rate: float = 1.0
+    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def steady_course_limit(self, latitude: float) -> float:
+        """Heading sigma that the east gyro bias leaves without manoeuvres: eps_E / (w_ie cos L) [rad]."""
+        return self.gyro_bias_sigma / (EARTH_RATE * float(np.cos(latitude)))
 
 
 @dataclass(frozen=True)
@@ -87,10 +104,10 @@ class Bound:
     ----------
     time : ndarray, shape (m,)
         Times of the fixes, the start included [s].
-    sigma : ndarray, shape (m, 12)
+    sigma : ndarray, shape (m, 12) or (m, 15)
         Square root of the diagonal of the covariance: attitude (east, north, up) [rad], velocity (east,
         north, up) [m/s], gyro bias (right, forward, up) [rad/s], accelerometer bias (right, forward, up)
-        [m/s2].
+        [m/s2] and, where positions are measured, position (east, north, up) [m].
     """
 
     time: Array
@@ -111,7 +128,7 @@ class Bound:
 
 
 def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
-    """Posterior Cramer-Rao bound of the 12 error states along a trajectory.
+    """Posterior Cramer-Rao bound of the error states along a trajectory.
 
     Parameters
     ----------
@@ -125,12 +142,13 @@ def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
     Bound
         At the start and after each fix.
     """
-    sigma = np.broadcast_to(knowledge.gnss_velocity_sigma, 3)
-    if knowledge.gnss_rate <= 0 or np.any(sigma <= 0):
-        raise InputError("the bound needs GNSS: a rate and velocity sigmas greater than 0")
-    transition, noise = _discretise(trajectory, knowledge)
-    R = np.diag(sigma**2)
-    P = np.diag(_prior_variance(knowledge))
+    prior, measurement = _prior_sigma(knowledge), _measurement_sigma(knowledge)
+    if knowledge.gnss_rate <= 0 or np.any(measurement <= 0):
+        raise InputError("the bound needs GNSS: a rate and sigmas greater than 0")
+    transition, noise = _discretise(trajectory, knowledge, len(prior))
+    H = _observation(trajectory, knowledge, len(prior))
+    R = np.diag(measurement**2)
+    P = np.diag(prior**2)
 
     fix_count = np.floor((trajectory.time - trajectory.time[0]) * knowledge.gnss_rate + 1e-6).astype(int)
     fixes = np.flatnonzero(np.diff(fix_count)) + 1
@@ -141,23 +159,46 @@ def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
     for k in range(1, len(trajectory.time)):
         P = transition[k - 1] @ P @ transition[k - 1].T + noise[k - 1]
         if is_fix[k]:
-            gain = np.linalg.solve(P[VELOCITY, VELOCITY] + R, P[VELOCITY]).T
-            P = P - gain @ P[VELOCITY]
+            cross = H[k] @ P
+            P = P - cross.T @ np.linalg.solve(cross @ H[k].T + R, cross)
             P = (P + P.T) / 2
             variance.append(P.diagonal().copy())
     time = np.concatenate((trajectory.time[:1], trajectory.time[fixes]))
     return Bound(time=time, sigma=np.sqrt(np.array(variance)))
 
 
-def _prior_variance(knowledge: Knowledge) -> Array:
+def _prior_sigma(knowledge: Knowledge) -> Array:
+    """Of all states; those of the position count where positions are measured."""
     k = knowledge
-    sigma = [k.tilt_sigma, k.tilt_sigma, k.heading_sigma, *[k.velocity_sigma] * 3]
-    sigma += [*[k.gyro_bias_sigma] * 3, *[k.accelerometer_bias_sigma] * 3]
-    return np.array(sigma) ** 2
+    triples = [k.velocity_sigma, k.gyro_bias_sigma, k.accelerometer_bias_sigma]
+    if k.gnss_position_sigma is not None:
+        triples.append(k.position_sigma)
+    return np.array([k.tilt_sigma, k.tilt_sigma, k.heading_sigma, *np.repeat(triples, 3)])
 
 
-def _discretise(trajectory: Trajectory, knowledge: Knowledge) -> tuple[Array, Array]:
-    """Transition and noise matrices of every interval of the trajectory, shapes (n - 1, 12, 12).
+def _measurement_sigma(knowledge: Knowledge) -> Array:
+    """Of the velocity and, where it is measured, of the position."""
+    sigmas = [knowledge.gnss_velocity_sigma, knowledge.gnss_position_sigma]
+    return np.concatenate([np.broadcast_to(sigma, 3) for sigma in sigmas if sigma is not None])
+
+
+def _observation(trajectory: Trajectory, knowledge: Knowledge, states: int) -> Array:
+    """Measurement matrix at every time of the trajectory, shape (n, 3 or 6, states)."""
+    antenna = trajectory.C_bn @ np.array(knowledge.lever_arm)
+    w_en = (curvature(trajectory.latitude, trajectory.height) @ trajectory.velocity[..., None])[..., 0]
+    antenna_velocity = np.gradient(antenna, trajectory.time, axis=0) + np.cross(w_en, antenna)
+    observed = [(VELOCITY, antenna_velocity), (POSITION, antenna)]
+    if knowledge.gnss_position_sigma is None:
+        observed.pop()
+    H = np.zeros((len(antenna), 3 * len(observed), states))
+    for row, (state, lever) in zip((slice(0, 3), slice(3, 6)), observed, strict=False):
+        H[:, row, state] = np.eye(3)
+        H[:, row, ATTITUDE] = skew(lever)
+    return H
+
+
+def _discretise(trajectory: Trajectory, knowledge: Knowledge, states: int) -> tuple[Array, Array]:
+    """Transition and noise matrices of every interval of the trajectory, shapes (n - 1, states, states).
 
     The mean specific force of an interval follows exactly from the velocities at its ends,
     f_n = dv/dt + (2 w_ie + w_en) x v + g; the mean attitude from the attitudes at its ends.
@@ -174,21 +215,27 @@ def _discretise(trajectory: Trajectory, knowledge: Knowledge) -> tuple[Array, Ar
     w_en = (to_transport_rate @ velocity[..., None])[..., 0]
     coriolis = skew(2 * w_ie + w_en)
     force = np.diff(trajectory.velocity, axis=0) / dt[..., 0] + (coriolis @ velocity[..., None])[..., 0]
-    force[:, 2] += gravity(latitude, height)
+    g = gravity(latitude, height)
+    force[:, 2] += g
 
-    F = np.zeros((len(dt), STATES, STATES))
+    F = np.zeros((len(dt), states, states))
     F[:, ATTITUDE, ATTITUDE] = -skew(w_ie + w_en)
     F[:, ATTITUDE, VELOCITY] = to_transport_rate
     F[:, ATTITUDE, GYRO_BIAS] = -C_bn
     F[:, VELOCITY, ATTITUDE] = skew(force)
-    F[:, VELOCITY, VELOCITY] = -coriolis
+    F[:, VELOCITY, VELOCITY] = -coriolis + skew(velocity) @ to_transport_rate
     F[:, VELOCITY, ACCELEROMETER_BIAS] = C_bn
+    if states > POSITION.start:
+        F[:, POSITION, POSITION] = -skew(w_en)
+        F[:, POSITION, VELOCITY] = np.eye(3)
+        F[:, VELOCITY.stop - 1, POSITION.stop - 1] = 2 * g / radii(latitude)[1]
     F *= dt
-    transition = np.eye(STATES) + F + F @ F / 2 + F @ F @ F / 6
+    square = F @ F
+    transition = np.eye(states) + F + square / 2 + square @ F / 6
 
-    Q = np.zeros(STATES)
+    Q = np.zeros(states)
     Q[ATTITUDE] = knowledge.angle_random_walk**2
     Q[VELOCITY] = knowledge.velocity_random_walk**2
     density = np.diag(Q) * dt
-    half = np.eye(STATES) + F / 2
+    half = np.eye(states) + F / 2
     return transition, half @ density @ np.swapaxes(half, -1, -2)

@@ -159,11 +159,12 @@ class Recorded:
 
 
 def connected(source: Iterable[str], sink: Fmu) -> list[str]:
-    """Inputs of a filter, each of which the source must have."""
+    """Inputs of a filter that take signals, each of which the source must have."""
     available = set(source)
-    if missing := [name for name in sink.inputs() if name not in available]:
+    signals = [name for name in sink.inputs() if not sink.variables[name].settable]
+    if missing := [name for name in signals if name not in available]:
         raise InputError(f"nothing is connected to the inputs {', '.join(missing)} of {sink.name}")
-    return sink.inputs()
+    return signals
 
 
 def simulate(

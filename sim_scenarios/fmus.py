@@ -23,6 +23,16 @@ from sim_scenarios.errors import InputError
 
 PLANT: Final = "TruthPlant"
 ALIGNMENT_FILTER: Final = "AlignmentFilter"
+NAVIGATION_FILTER: Final = "NavigationFilter"
+SIGNALS: Final = ("imu.", "gnss.")
+"""Beginnings of the names of inputs that a source of signals feeds; other inputs are set like parameters."""
+
+_INTEGERS: Final = (-(2**31), 2**31 - 1)  # fmi2Integer
+_NUMBER: Final = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_RULE: Final = re.compile(
+    rf"(?P<name>[\w.]+(?:\[[\d,]+\])?) = (?P<value>{_NUMBER}): "
+    rf"(?P<rule>must be (?:at least|at most|greater than|less than)) (?P<limit>{_NUMBER})"
+)
 
 Number = float | int | bool
 
@@ -65,6 +75,15 @@ class Variable:
     display_unit: str
     items: Mapping[str, int]  # of an enumeration
     start: str | None
+    min: str | None
+    max: str | None
+
+    @property
+    def settable(self) -> bool:
+        """Whether a user may set it: a parameter, or an input that is not fed with signals."""
+        return self.causality == "parameter" or (
+            self.causality == "input" and not self.name.startswith(SIGNALS)
+        )
 
     def parse(self, given: object) -> Number:
         """Value for the FMU of what a user wrote: number, quantity, true or false, name of an item."""
@@ -74,9 +93,18 @@ class Variable:
             return self._parse_boolean(given)
         if self.kind == "Enumeration":
             return self._parse_item(given)
-        if isinstance(given, int) and not isinstance(given, bool):
-            return given
-        raise InputError(f"'{given}' is not a whole number")
+        return self._parse_integer(given)
+
+    def _parse_integer(self, given: object) -> int:
+        if not isinstance(given, int) or isinstance(given, bool):
+            raise InputError(f"'{given}' is not a whole number")
+        low, high = (
+            type_limit if declared is None else int(declared)
+            for declared, type_limit in zip((self.min, self.max), _INTEGERS, strict=True)
+        )
+        if not low <= given <= high:
+            raise InputError(f"{given} is not a whole number from {low} to {high}")
+        return given
 
     def _parse_boolean(self, given: object) -> bool:
         if isinstance(given, bool):
@@ -168,7 +196,7 @@ class Fmu:
     def has_parameter(self, name: str) -> bool:
         """Whether a name is that of a parameter: a scalar, an element (`a[1]`) or an array as a whole."""
         scalar = name if name in self.variables else self.arrays.get(name, [""])[0]
-        return scalar in self.variables and self.variables[scalar].causality == "parameter"
+        return scalar in self.variables and self.variables[scalar].settable
 
     def assignments(self, name: str, given: object) -> dict[str, Number]:
         """Scalar values that a user's value for a parameter stands for.
@@ -194,6 +222,18 @@ class Fmu:
             size = len(self.arrays[name.partition("[")[0]])
             return f"{self.name} has no element {name}; the indices run from 1 to {size}"
         return f"{self.name} has no parameter '{name}'{did_you_mean(name, self.parameter_names())}"
+
+    def readable(self, text: str) -> str:
+        """What the FMU says of a value, with the value and its limit in the unit that people read."""
+
+        def rewritten(match: re.Match[str]) -> str:
+            variable = self.variables.get(match["name"])
+            if variable is None or variable.kind != "Real":
+                return match[0]
+            value, limit = (variable.display(float(match[key])) for key in ("value", "limit"))
+            return f"{match['name']} = {value}: {match['rule']} {limit}"
+
+        return _RULE.sub(rewritten, text)
 
     def parameter_names(self) -> list[str]:
         """Names of the parameters, arrays without indices."""
@@ -250,7 +290,7 @@ def did_you_mean(name: str, known: Mapping[str, object] | list[str]) -> str:
 
 
 def _split_quantity(given: object) -> tuple[float, str]:
-    match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", str(given))
+    match = re.fullmatch(rf"\s*({_NUMBER})\s*(\S*)\s*", str(given))
     if not isinstance(given, str) or match is None:
         raise InputError(f"'{given}' is neither a number nor a number with a unit")
     return float(match[1]), match[2]
@@ -286,4 +326,6 @@ def _variable(variable: ModelVariable, units: Mapping[str, Unit]) -> Variable:
         display_unit=variable.displayUnit or (declared.displayUnit if declared else None) or "",
         items={str(item.name): int(str(item.value)) for item in declared.items} if declared else {},
         start=variable.start,
+        min=variable.min,
+        max=variable.max,
     )

@@ -7,6 +7,7 @@ step are called through raw pointers with buffers made beforehand: nothing is al
 from __future__ import annotations
 
 import ctypes
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
@@ -107,8 +108,10 @@ class Instance:
     def failure(self, action: str) -> SimulationError:
         """Error that tells what the FMU said last."""
         said = [m.text for m in self.messages if m.status in ("error", "fatal")]
-        reason = said[-1] if said else "it gives no reason"
-        return SimulationError(f"{self.label} ({self.fmu.name}) failed in {action}: {reason}")
+        reason = re.sub(r"^fmi2\w+: ", "", said[-1]) if said else "it gives no reason"
+        return SimulationError(
+            f"{self.label} ({self.fmu.name}) failed in {action}: {self.fmu.readable(reason)}"
+        )
 
     def accessor(self, access: str) -> Callable[..., int]:
         """Raw function such as fmi2GetReal(component, references, count, values)."""
@@ -124,8 +127,8 @@ class Instance:
     def _call(self, action: Callable[[], object]) -> None:
         try:
             action()
-        except FMICallException as error:
-            raise self.failure(error.function) from None
+        except FMICallException:
+            raise self.failure("initialisation") from None
 
 
 class Signals:

@@ -37,7 +37,7 @@ from sim_scenarios.cosimulation import Progress, RecordedSource, Sink, connected
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Number, did_you_mean, load
 from sim_scenarios.instance import Instance
-from sim_scenarios.units import DEGREE
+from sim_scenarios.units import DEGREE, STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 
@@ -153,7 +153,27 @@ def read_recording(path: Path) -> pd.DataFrame:
     backwards = np.flatnonzero(np.diff(table["time"]) <= 0)
     if len(backwards):
         raise InputError(f"{path}: line {backwards[0] + 3}: time must increase from each sample to the next")
+    _check_increments(table, path)
     return table
+
+
+def _check_increments(table: pd.DataFrame, path: Path) -> None:
+    """On Earth the specific force is about 9.8 m/s2 in the mean, so the increments tell their unit."""
+    mean = float(np.nanmean(np.linalg.norm(table[IMU_COLUMNS[3:]].to_numpy(dtype=float), axis=1)))
+    period = float(np.median(np.diff(table["time"])))
+    low, high = STANDARD_GRAVITY / 2, STANDARD_GRAVITY * 2
+    if low < mean / period < high:
+        return
+    if low < mean < high:
+        raise InputError(
+            f"{path}: the file seems to hold rates, not increments: |delta_velocity| is {mean:.3g} in the "
+            f"mean, which is a specific force in m/s2; multiply all six columns by the sample period of "
+            f"{period:g} s"
+        )
+    raise InputError(
+        f"{path}: |delta_velocity| / dt is {mean / period:.3g} m/s2 in the mean, but an IMU on Earth feels "
+        f"about 9.8 m/s2; delta_velocity must be an increment in m/s over {period:g} s"
+    )
 
 
 def level(force: Array) -> tuple[float, float]:

@@ -5,7 +5,7 @@ An xarray Dataset with the FMUs' own variable names, in the FMUs' units (SI and 
     dimension `filter`   the filters that saw the same signals, by label
     dimension `time`     periodic rows: truth, navigation, estimates and their sigmas, errors
     dimension `fix`      one row for each fix: innovation, NIS, weights; coordinate `fix_time`
-    dimensions `axis2`, `axis3`   components of vectors
+    dimensions `axis3`, ...       components of vectors; `row12`, `column12` of matrices
 
 Files are netCDF 3 (CF attributes), which scipy writes and everything reads.
 """
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from sim_scenarios import attitude
 from sim_scenarios.cosimulation import Recorded
+from sim_scenarios.earth import radii
 from sim_scenarios.fmus import Fmu
 
 FIX_OUTPUTS: Final = (
@@ -29,12 +30,17 @@ FIX_OUTPUTS: Final = (
     "innovation_sigma",
     "nis",
     "measurement_weight",
+    "measurement_sigma_estimate",
+    "adaptive.alpha",
     "robust.gamma_effective",
     "robust.feasible",
     "used_fixes",
     "rejected_fixes",
 )
 """Outputs of a filter that change with a fix alone."""
+
+Entry = tuple[tuple[str, ...], NDArray[np.float64], dict[str, str]]
+"""A variable of a data set: dimensions, values, attributes."""
 
 
 def fix_outputs(fmu: Fmu) -> list[str]:
@@ -57,7 +63,7 @@ def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu |
     Returns
     -------
     xarray.Dataset
-        With `heading_error` and `attitude_error` (filter, time) where the truth is known, and `fix_used`
+        With the errors of what the filter puts out (filter, time) where the truth is known, and `fix_used`
         (filter, fix).
     """
     parts = [
@@ -84,11 +90,11 @@ def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu |
     )
     if recorded.truth is not None and plant is not None:
         result = result.assign(_arrays(recorded.truth.columns(), plant, "time"))
-        result = result.assign(_errors(result))
+        result = result.assign({**_attitude_errors(result), **_position_and_velocity_errors(result)})
     return result
 
 
-def _errors(data: xr.Dataset) -> dict[str, tuple[tuple[str, ...], NDArray[np.float64], dict[str, str]]]:
+def _attitude_errors(data: xr.Dataset) -> dict[str, Entry]:
     """Errors of attitude and heading against the truth."""
     estimated, true = (
         attitude.dcm(*(data[f"{frame}.{angle}"].values for angle in ("roll", "pitch", "heading")))
@@ -106,6 +112,32 @@ def _errors(data: xr.Dataset) -> dict[str, tuple[tuple[str, ...], NDArray[np.flo
             ("filter", "time"),
             heading,
             {"units": "rad", "description": "Estimated minus true heading"},
+        ),
+    }
+
+
+def _position_and_velocity_errors(data: xr.Dataset) -> dict[str, Entry]:
+    """Errors of position and velocity against the truth, estimated minus true (east, north, up)."""
+    latitude, height = data["truth.latitude"].values, data["truth.height"].values
+    meridian, prime_vertical = radii(latitude)
+    longitude_error = attitude.wrap(data["nav.longitude"].values - data["truth.longitude"].values)
+    position = (
+        longitude_error * (prime_vertical + height) * np.cos(latitude),
+        (data["nav.latitude"].values - latitude) * (meridian + height),
+        data["nav.height"].values - height,
+    )
+    velocity = data["nav.velocity"].values - data["truth.velocity"].values
+    dimensions, meaning = ("filter", "time", "axis3"), "Estimated minus true"
+    return {
+        "position_error": (
+            dimensions,
+            np.stack(position, axis=-1),
+            {"units": "m", "description": f"{meaning} position (east, north, up)"},
+        ),
+        "velocity_error": (
+            dimensions,
+            velocity,
+            {"units": "m/s", "description": f"{meaning} velocity (east, north, up)"},
         ),
     }
 
@@ -139,14 +171,16 @@ def _array(columns: Mapping[str, NDArray[Any]], fmu: Fmu, dimension: str, scalar
     variable = fmu.variables[scalars[0]]
     attributes: dict[str, Any] = {"description": variable.description}
     if variable.kind == "Real":
-        attributes["units"] = variable.unit.name
+        units = [fmu.variables[scalar].unit.name for scalar in scalars]
+        attributes["units"] = units[0] if len(set(units)) == 1 else " ".join(units)  # one for each element
     if variable.kind == "Enumeration":
         attributes["flag_values"] = np.array(list(variable.items.values()), dtype=np.int32)
         attributes["flag_meanings"] = " ".join(variable.items)
     values = np.stack([columns[s] for s in scalars], axis=-1)
-    dimensions: tuple[str, ...] = (dimension, f"axis{len(scalars)}")
-    if "[" not in scalars[0]:
-        values, dimensions = values[:, 0], (dimension,)
+    shape = [int(size) for size in scalars[-1].partition("[")[2].rstrip("]").split(",") if size]
+    axes = ("axis",) if len(shape) == 1 else ("row", "column")
+    dimensions = (dimension, *(f"{axis}{size}" for axis, size in zip(axes, shape, strict=False)))
+    values = values.reshape(len(values), *shape)
     if variable.kind == "Boolean":
         values = values.astype(bool)
     return xr.DataArray(values, dims=dimensions, attrs=attributes)

@@ -1,14 +1,14 @@
 """The report of a run: PNG pictures and one HTML page that needs nothing else.
 
 The page follows the reader's light or dark screen (the pictures are inverted with their hues kept) and is
-readable on a telephone.
+readable on a telephone. A picture of something that a run does not have is left out.
 """
 
 from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,54 +19,105 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from sim_scenarios import plots
-from sim_scenarios.metrics import Verdict, judge
+from sim_scenarios.metrics import Verdict, is_navigation, judge
+from sim_scenarios.metrics.alignment import bound_in_words
+from sim_scenarios.metrics.verdict import UNFIT, status_at_end
+from sim_scenarios.plots import fixes, heading, navigation
+from sim_scenarios.plots.states import states
+from sim_scenarios.plots.style import png
 from sim_scenarios.units import ARCMIN, DEGREE
 
 Array = NDArray[np.float64]
-Draw = Callable[[xr.Dataset], Figure]
-
-RUN: Mapping[str, tuple[Draw, str]] = {
-    "heading": (
-        plots.heading_error,
-        "Heading error with the filter's 3 sigma and the Cramer-Rao bound; below, its end in arcminutes.",
-    ),
-    "states": (
-        plots.states,
-        "Error of every state with 3 sigma. A consistent filter keeps 99.7 % of each curve inside.",
-    ),
-    "innovations": (
-        plots.innovations,
-        "What each fix brought that the filter had not predicted, with 3 sigma; crosses were rejected.",
-    ),
-    "nis": (
-        plots.nis,
-        "Normalised innovation squared against its chi-square limits, one by one and in the mean.",
-    ),
-    "corrections": (
-        plots.corrections,
-        "Weights that the corrector gave, the gamma of the H-infinity update, rejected fixes, status.",
-    ),
-}
-REPLAY: Mapping[str, tuple[Draw, str]] = {
-    "heading": (plots.heading, "Heading with the filter's 3 sigma; below, its end."),
-    **{key: RUN[key] for key in ("states", "innovations", "nis", "corrections")},
-}
-COMPARISON: Mapping[str, tuple[Draw, str]] = {
-    "comparison": (plots.comparison, "Heading errors on the same signals; below, their end in arcminutes."),
-}
-BOUND: Mapping[str, tuple[Draw, str]] = {
-    "bound": (plots.bound, "Sigma that no filter can beat in the mean, whatever its algorithm."),
-}
 
 
 @dataclass(frozen=True)
-class Picture:
-    """A picture and what it shows."""
+class Drawing:
+    """A picture to draw: its file name, caption, and what a run must have for it."""
 
     name: str
     caption: str
-    png: bytes
+    draw: Callable[[xr.Dataset], Figure]
+    needs: tuple[str, ...] = ()
+
+
+_OF_FIXES = ("innovation", "innovation_sigma", "nis", "measurement_weight")
+_STANDARDISED = Drawing(
+    "innovations",
+    "What each fix brought that the filter had not predicted, in units of its predicted sigma.",
+    fixes.standardised_innovations,
+    _OF_FIXES,
+)
+_FIXES = (
+    Drawing(
+        "nis",
+        "Normalised innovation squared against its chi-square limits, one by one and in the mean.",
+        fixes.nis,
+        _OF_FIXES,
+    ),
+    Drawing(
+        "corrections",
+        "Weights that the corrector gave, the gamma of the H-infinity update, rejected fixes, status.",
+        fixes.corrections,
+        _OF_FIXES,
+    ),
+)
+_INNOVATIONS = Drawing(
+    "innovations",
+    "What each fix brought that the filter had not predicted, with 3 sigma; crosses were rejected.",
+    fixes.innovations,
+    _OF_FIXES,
+)
+_STATES = Drawing(
+    "states",
+    "Error of every state with 3 sigma. A consistent filter keeps 99.7 % of each curve inside.",
+    states,
+)
+RUN = (
+    Drawing(
+        "heading",
+        "Heading error with 3 sigma of the filter and of the Cramer-Rao bound; below, its end in arcminutes. "
+        "The bound starts from a prior of its own: a filter that is told a tighter one may claim a sigma "
+        "inside the bound at first.",
+        heading.heading_error,
+    ),
+    _STATES,
+    _INNOVATIONS,
+    *_FIXES,
+)
+NAVIGATION = (
+    Drawing(
+        "navigation",
+        "Magnitude of the errors with 1 sigma of the filter, on the scale of the evaluation window.",
+        navigation.navigation_error,
+    ),
+    _STATES,
+    _STANDARDISED,
+    *_FIXES,
+)
+REPLAY = (
+    Drawing("heading", "Heading with 3 sigma of the filter; below, its end.", heading.heading),
+    Drawing(
+        "states",
+        "Estimate of every state with 3 sigma; with feedback the misalignment is what the last fix found.",
+        states,
+    ),
+    _INNOVATIONS,
+    *_FIXES,
+)
+COMPARISON = (
+    Drawing(
+        "comparison",
+        "Heading errors on the same signals, with 1 sigma of the Cramer-Rao bound; below, their end in "
+        "arcminutes.",
+        heading.comparison,
+    ),
+)
+NAVIGATION_COMPARISON = (
+    Drawing("comparison", "Magnitude of the errors on the same signals.", navigation.comparison),
+)
+BOUND = (
+    Drawing("bound", "Sigma that no filter can beat in the mean, whatever its algorithm.", heading.bound),
+)
 
 
 @dataclass(frozen=True)
@@ -94,120 +145,109 @@ class Page:
 def report_run(run: xr.Dataset, folder: Path) -> Path:
     """Report of a run of `sim_scenarios.run`; returns the path of the page."""
     verdict = judge(run)
-    page = Page(run.attrs["scenario"], sentence(verdict), verdict.converged, headline(verdict), [])
-    return _write(run, RUN, page, folder)
+    page = Page(run.attrs["scenario"], verdict.sentence(), verdict.ok, run_figures(run, verdict), [])
+    return _write(run, NAVIGATION if is_navigation(run) else RUN, page, folder)
 
 
 def report_comparison(runs: xr.Dataset, folder: Path) -> Path:
     """Report of a comparison of `sim_scenarios.compare`; returns the path of the page."""
     verdicts = {str(label): judge(runs.sel(filter=label)) for label in runs["filter"].values}
-    converged = [label for label, verdict in verdicts.items() if verdict.converged]
-    text = f"{len(converged)} of {len(verdicts)} filters converged"
-    bound = f"{runs.attrs['bound.heading_rms'] / ARCMIN:.2f} arcmin"
-    page = Page(runs.attrs["scenario"], text, None, {"Cramer-Rao bound": bound}, comparison_table(verdicts))
-    return _write(runs, COMPARISON, page, folder)
+    count = sum(verdict.ok for verdict in verdicts.values())
+    navigating = is_navigation(runs)
+    text = f"{count} of {len(verdicts)} filters {'navigated' if navigating else 'converged'}"
+    page = Page(runs.attrs["scenario"], text, None, about_bound(runs), comparison_table(verdicts))
+    return _write(runs, NAVIGATION_COMPARISON if navigating else COMPARISON, page, folder)
 
 
 def report_bound(data: xr.Dataset, folder: Path) -> Path:
     """Report of the bound of `sim_scenarios.bound`; returns the path of the page."""
     rms = f"{data.attrs['bound.heading_rms'] / ARCMIN:.2f} arcmin"
-    text = f"No filter knows the heading better than {rms} (RMS over the window)"
-    return _write(data, BOUND, Page(data.attrs["scenario"], text, None, {}, bound_table(data)), folder)
+    text = f"No filter knows the heading better than {rms} in the mean over many runs (RMS over the window)"
+    page = Page(data.attrs["scenario"], text, None, about_bound(data), bound_table(data))
+    return _write(data, BOUND, page, folder)
 
 
 def report_replay(run: xr.Dataset, folder: Path) -> Path:
     """Report of a recording of `sim_scenarios.replay`; returns the path of the page."""
-    converged = bool(run["converged"].values[-1])
-    heading, sigma = float(run["nav.heading"].values[-1]), float(run["heading_sigma"].values[-1])
     figures = {
-        "Heading at the end": f"{heading / DEGREE:.3f} deg",
-        "3 sigma": f"{3 * sigma / DEGREE:.3f} deg",
-        "Rejected fixes": str(int(run["rejected_fixes"].values[-1])),
+        **heading_at_end(run),
+        "Fixes used, rejected": f"{int(run['fix_used'].sum())}, {int((~run['fix_used']).sum())}",
     }
-    text = "The filter reports convergence" if converged else "The filter does not report convergence"
-    return _write(
-        run,
-        REPLAY,
-        Page(Path(run.attrs["recording"]).name, text, converged, figures, heading_table(run)),
-        folder,
-    )
+    title, good = Path(run.attrs["recording"]).name, replay_converged(run)
+    return _write(run, REPLAY, Page(title, replay_sentence(run), good, figures, heading_table(run)), folder)
 
 
-def sentence(verdict: Verdict) -> str:
-    """The verdict in a sentence."""
-    if verdict.converged:
-        since = (
-            f", within the limit since {verdict.convergence_time:.0f} s" if verdict.convergence_time else ""
-        )
-        return f"Converged: heading RMSE {verdict.heading_rmse / ARCMIN:.2f} arcmin{since}"
-    end = f"{verdict.heading_end / ARCMIN:+.2f} arcmin at the end"
-    return f"Not converged: heading RMSE {verdict.heading_rmse / ARCMIN:.2f} arcmin, {end}"
+def replay_converged(run: xr.Dataset) -> bool:
+    """Whether the filter says at the end of a recording that its heading is to be relied on."""
+    return bool(run["converged"].values[-1]) and status_at_end(run) not in UNFIT
 
 
-def headline(verdict: Verdict) -> dict[str, str]:
-    """Headline figures of a run."""
-    nis = verdict.nis
-    claimed = "never" if verdict.claimed_time is None else f"since {verdict.claimed_time:.0f} s"
+def replay_sentence(run: xr.Dataset) -> str:
+    """What the filter says at the end of a recording."""
+    if replay_converged(run):
+        return "The filter reports convergence"
+    if run.sizes["fix"] == 0:
+        return f"The filter does not report convergence: no fix came, it is {status_at_end(run)} at the end"
+    return f"The filter does not report convergence: it is {status_at_end(run)} at the end"
+
+
+def heading_at_end(run: xr.Dataset) -> dict[str, str]:
+    """Heading at the end of a recording, and how well the filter believes to know it."""
+    angle, sigma = (float(run[name].values[-1]) / DEGREE for name in ("nav.heading", "heading_sigma"))
+    return {"Heading at the end": f"{angle:.3f} deg", "Its 1 sigma": f"{sigma:.3f} deg"}
+
+
+def run_figures(run: xr.Dataset, verdict: Verdict) -> dict[str, str]:
+    """Headline figures of a run, with those of the bound."""
+    return {**verdict.headline(), **about_bound(run)}
+
+
+def about_bound(data: xr.Dataset) -> dict[str, str]:
+    """The bound of the heading, what it is of, and what it leaves out."""
+    left_out = data.attrs.get("bound.leaves_out", "")
+    about = {"Bound leaves out": left_out} if left_out else {}
+    if "bound.heading_rms" not in data.attrs:
+        return about
+    steady = data.attrs["bound.steady_course_limit"] / ARCMIN
     return {
-        "Heading RMSE": f"{verdict.heading_rmse / ARCMIN:.2f} arcmin",
-        "Cramer-Rao bound": f"{verdict.bound / ARCMIN:.2f} arcmin",
-        "Filter's own sigma": f"{verdict.heading_sigma / ARCMIN:.2f} arcmin",
-        "Filter reports convergence": claimed,
-        "Mean NIS / channels": f"{nis.mean:.3f} ({nis.lower:.2f} to {nis.upper:.2f} is consistent)",
-        "Fixes used, rejected": f"{verdict.used_fixes}, {verdict.rejected_fixes}",
+        "Cramer-Rao bound": bound_in_words(data.attrs["bound.heading_rms"]),
+        "Steady-course limit": f"{steady:.2f} arcmin, eps_E / (w_ie cos L)",
+        "Bound measures": f"GNSS {data.attrs['bound.measured']}",
+        **about,
     }
 
 
 def comparison_table(verdicts: Mapping[str, Verdict]) -> list[list[str]]:
     """Rows of the comparison of filters, the heading first."""
-    rows = [
-        [
-            "Filter",
-            "RMSE [']",
-            "/ bound",
-            "mean [']",
-            "largest [']",
-            "own sigma [']",
-            "converged",
-            "NIS / channels",
-            "rejected",
-        ]
-    ]
-    for label, v in verdicts.items():
-        since = f"{v.convergence_time:.0f} s" if v.converged and v.convergence_time is not None else "no"
-        rows.append(
-            [
-                label,
-                f"{v.heading_rmse / ARCMIN:.2f}",
-                f"{v.heading_rmse / v.bound:.2f}",
-                f"{v.heading_mean / ARCMIN:+.2f}",
-                f"{v.heading_largest / ARCMIN:.2f}",
-                f"{v.heading_sigma / ARCMIN:.2f}",
-                since,
-                f"{v.nis.mean:.2f}",
-                str(v.rejected_fixes),
-            ]
-        )
-    return rows
+    rows = {label: verdict.row() for label, verdict in verdicts.items()}
+    columns = list(next(iter(rows.values())))
+    return [["Filter", *columns], *([label, *row.values()] for label, row in rows.items())]
 
 
 def bound_table(data: xr.Dataset) -> list[list[str]]:
-    """Sigma of the heading at round times, the heading of the table first."""
-    time, sigma = data["bound_time"].values, data["bound.heading_sigma"].values
-    rows = [[f"{round(time[i], 3):g}", f"{sigma[i] / ARCMIN:.2f}"] for i in _at_round_times(time)]
-    return [["time [s]", "sigma of the heading [arcmin]"], *rows]
+    """Sigma of the heading, and of the position where it is measured, at round times, the heading first."""
+    time = data["bound_time"].values
+    columns = {"heading [']": data["bound.heading_sigma"].values / ARCMIN}
+    if "bound.position_sigma" in data:
+        sigma = data["bound.position_sigma"].values
+        columns |= {"horizontal [m]": np.hypot(sigma[:, 0], sigma[:, 1]), "vertical [m]": sigma[:, 2]}
+    rows = [
+        [f"{round(time[i], 3):g}", *(f"{values[i]:.2f}" for values in columns.values())]
+        for i in _at_round_times(time)
+    ]
+    return [["time [s]", *(f"sigma of {name}" for name in columns)], *rows]
 
 
 def heading_table(run: xr.Dataset) -> list[list[str]]:
     """Heading at round times, the heading of the table first."""
     time = run["time"].values
-    heading, sigma = run["nav.heading"].values / DEGREE, run["heading_sigma"].values / DEGREE
+    angle, sigma = run["nav.heading"].values / DEGREE, run["heading_sigma"].values / DEGREE
     status, names = run["status"].values, run["status"].attrs["flag_meanings"].split()
     rows = [
-        [f"{round(time[i], 3):g}", f"{heading[i]:.3f}", f"{sigma[i]:.3f}", names[int(status[i]) - 1]]
+        [f"{round(time[i], 3):g}", f"{angle[i]:.3f}", f"{sigma[i]:.3f}", names[int(status[i]) - 1]]
         for i in _at_round_times(time)
     ]
-    return [["time [s]", "heading [deg]", "sigma [deg]", "status"], *rows]
+    return [["time [s]", "heading [deg]", "1 sigma [deg]", "status"], *rows]
 
 
 def _at_round_times(time: Array, most: int = 12) -> list[int]:
@@ -220,17 +260,26 @@ def _at_round_times(time: Array, most: int = 12) -> list[int]:
     return [*index.tolist(), len(time) - 1]
 
 
-def _write(data: xr.Dataset, drawings: Mapping[str, tuple[Draw, str]], page: Page, folder: Path) -> Path:
+def _drawable(data: xr.Dataset, drawings: Sequence[Drawing]) -> Iterator[Drawing]:
+    """Drawings whose needs are recorded, with at least one value."""
+    for drawing in drawings:
+        if all(name in data and data[name].size > 0 for name in drawing.needs):
+            yield drawing
+
+
+def _write(data: xr.Dataset, drawings: Sequence[Drawing], page: Page, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
-    pictures = [Picture(name, caption, plots.png(draw(data))) for name, (draw, caption) in drawings.items()]
-    for picture in pictures:
-        (folder / f"{picture.name}.png").write_bytes(picture.png)
+    pictures = []
+    for drawing in _drawable(data, drawings):
+        content = png(drawing.draw(data))
+        (folder / f"{drawing.name}.png").write_bytes(content)
+        pictures.append({"name": drawing.name, "caption": drawing.caption, "png": content})
     path = folder / "report.html"
     path.write_text(_html(data, page, pictures), encoding="utf-8")
     return path
 
 
-def _html(data: xr.Dataset, page: Page, pictures: list[Picture]) -> str:
+def _html(data: xr.Dataset, page: Page, pictures: list[dict[str, Any]]) -> str:
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("sim_scenarios", "templates"),
         autoescape=True,

@@ -110,11 +110,15 @@ class InitialError(Table):
 
 
 class Evaluation(Table):
-    """What is judged: the RMSE of the heading over a window, against a limit."""
+    """What is judged: RMSE over a window; the heading of an alignment, or the horizontal position.
+
+    Without a limit of its own, the horizontal RMSE is held against a single fix.
+    """
 
     start: Time = 300.0
     stop: Time = 600.0
     heading_limit: Angle = 0.5 * DEGREE
+    horizontal_limit: Length | None = None
 
 
 class Prior(Table):
@@ -125,6 +129,7 @@ class Prior(Table):
     velocity_sigma: Velocity = Knowledge.velocity_sigma
     gyro_bias_sigma: AngularRate = Knowledge.gyro_bias_sigma
     accelerometer_bias_sigma: Acceleration = Knowledge.accelerometer_bias_sigma
+    position_sigma: Length = Knowledge.position_sigma
 
 
 class Scenario(Table):
@@ -156,6 +161,10 @@ class Scenario(Table):
             raise InputError(
                 f"evaluation.start = {self.evaluation.start:g}: must be below duration ({self.duration:g} s)"
             )
+        for name in ("heading_limit", "horizontal_limit"):
+            limit = getattr(self.evaluation, name)
+            if limit is not None and limit <= 0:
+                raise InputError(f"evaluation.{name} must be greater than 0")
         return self
 
     def filters(self) -> dict[str, dict[str, Number]]:
@@ -204,8 +213,14 @@ def load_scenario(
         parts = {"plant": fmus.plant, "filter": fmus[filter_fmu]}
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-    _check(table, parts, path)
-    return _check(_overridden(table, parts, overriding), parts, "the settings")
+    unchanged = _check(table, parts, path)
+    changed = _check(_overridden(table, parts, overriding), parts, "the settings")
+    if not (unchanged.notes and settings):
+        return changed
+    names = ", ".join(settings)
+    return changed.model_copy(
+        update={"notes": f"Of the scenario as it is written, before {names} changed: {changed.notes.strip()}"}
+    )
 
 
 def scenario_path(name: str | Path) -> Path:

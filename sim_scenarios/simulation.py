@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, closing
 from importlib.metadata import PackageNotFoundError, version
@@ -13,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import attitude, recording
-from sim_scenarios.bounds import Bound, Knowledge, Trajectory, cramer_rao
+from sim_scenarios.bounds import POSITION, Knowledge, Trajectory, cramer_rao
 from sim_scenarios.cosimulation import FmuSource, Order, Progress, Recorded, Sink, Table, connected, simulate
 from sim_scenarios.earth import radii
 from sim_scenarios.errors import InputError
@@ -32,6 +33,29 @@ TRUTH = (
     "truth.height",
     *(f"truth.velocity[{i}]" for i in (1, 2, 3)),
 )
+NOT_IN_THE_BOUND = (
+    *(
+        f"imu.{sensor}.{error}"
+        for sensor in ("gyro", "accelerometer")
+        for error in (
+            "markov_sigma",
+            "wave_sigma",
+            "scale_factor",
+            "misalignment",
+            "quantisation",
+            "bias_step[",
+        )
+    ),
+    "gnss.latency",
+    "gnss.position_outlier.probability",
+    "gnss.velocity_outlier.probability",
+    "gnss.outlier_epoch.probability",
+    "gnss.outage.begin",
+    "gnss.outage.end",
+    "gnss.noise_scale.",
+    "gnss.satellite_limit.",
+)
+"""Beginnings of the names of plant parameters that are no part of the Cramer-Rao bound."""
 DRAWS = 1
 """Random stream of the initial errors, apart from those of the plant."""
 
@@ -118,7 +142,7 @@ def bound(
             table.append()
         columns = table.columns()
     data = xr.Dataset(coords={"time": ("time", times, {"units": "s"})}, attrs=_attributes(loaded, fmus))
-    return _with_bound(data, cramer_rao(_trajectory(times, columns), knowledge(loaded, fmus.plant)), loaded)
+    return _with_bound(data, _trajectory(times, columns), loaded, fmus)
 
 
 def run_filters(
@@ -139,7 +163,11 @@ def run_filters(
     data.attrs = _attributes(scenario, fmus, messages)
     assert recorded.truth is not None
     trajectory = _trajectory(recorded.time, recorded.truth.columns())
-    return _with_bound(data, cramer_rao(trajectory, knowledge(scenario, fmus.plant)), scenario)
+    try:
+        return _with_bound(data, trajectory, scenario, fmus)
+    except InputError as error:  # a run is worth having without a bound
+        data.attrs["bound.leaves_out"] = f"there is none: {error}"
+        return data
 
 
 def connect(
@@ -152,7 +180,8 @@ def connect(
     start = initial_values(scenario, fmus.plant, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
     sinks = []
     for label, values in filters.items():
-        instance = stack.enter_context(closing(Instance(filter_fmu, label, {**values, **start})))
+        handed_over = {name: value for name, value in start.items() if filter_fmu.has_parameter(name)}
+        instance = stack.enter_context(closing(Instance(filter_fmu, label, {**handed_over, **values})))
         instance.begin_initialisation(0.0, scenario.duration)
         sinks.append(Sink(instance, source))
         sinks[-1].receive()
@@ -208,23 +237,38 @@ def initial_values(scenario: Scenario, plant: Fmu, truth: Mapping[str, Number]) 
     }
 
 
-def knowledge(scenario: Scenario, plant: Fmu) -> Knowledge:
-    """What the bound of a scenario knows: its prior, and the white noise of the plant."""
+def knowledge(scenario: Scenario, plant: Fmu, filter_fmu: Fmu) -> Knowledge:
+    """What the bound of a scenario knows: its prior, the white noise of the plant, and what is measured.
+
+    Positions count if the filter measures them.
+    """
 
     def value(name: str) -> float:
         return float(_value(scenario, plant, name))
 
+    def vector(name: str) -> tuple[float, float, float]:
+        return value(f"{name}[1]"), value(f"{name}[2]"), value(f"{name}[3]")
+
+    measures_position = filter_fmu.has_parameter("measurement.position_sigma")
     return Knowledge(
         **scenario.bound.model_dump(),
         angle_random_walk=value("imu.gyro.white_noise"),
         velocity_random_walk=value("imu.accelerometer.white_noise"),
-        gnss_velocity_sigma=(
-            value("gnss.velocity_sigma[1]"),
-            value("gnss.velocity_sigma[2]"),
-            value("gnss.velocity_sigma[3]"),
-        ),
+        gnss_velocity_sigma=vector("gnss.velocity_sigma"),
+        gnss_position_sigma=vector("gnss.position_sigma") if measures_position else None,
         gnss_rate=value("gnss.rate"),
+        lever_arm=vector("gnss.lever_arm"),
     )
+
+
+def left_out_of_the_bound(scenario: Scenario, plant: Fmu) -> list[str]:
+    """Parameters of the plant that are in effect in a scenario and that its bound does not know."""
+    in_effect = {
+        name.partition("[")[0]
+        for name, value in scenario.plant.items()
+        if name.startswith(NOT_IN_THE_BOUND) and value != plant.start(name)
+    }
+    return [name for name in plant.arrays if name in in_effect]
 
 
 def _value(scenario: Scenario, plant: Fmu, name: str) -> Number:
@@ -264,12 +308,30 @@ def _trajectory(time: Array, truth: Mapping[str, Array]) -> Trajectory:
     )
 
 
-def _with_bound(data: xr.Dataset, bound: Bound, scenario: Scenario) -> xr.Dataset:
-    window = scenario.evaluation
+def _with_bound(data: xr.Dataset, trajectory: Trajectory, scenario: Scenario, fmus: Fmus) -> xr.Dataset:
+    """Data set with the bound along a trajectory, and with what the bound does not know."""
+    known = knowledge(scenario, fmus.plant, fmus[scenario.filter_fmu])
+    bound = cramer_rao(trajectory, known)
+    attributes = {
+        "bound.heading_rms": bound.heading_rms(scenario.evaluation.start, scenario.evaluation.stop),
+        "bound.steady_course_limit": known.steady_course_limit(float(trajectory.latitude[0])),
+        "bound.measured": "velocity" if known.gnss_position_sigma is None else "velocity and position",
+        "bound.leaves_out": ", ".join(left_out_of_the_bound(scenario, fmus.plant)),
+    }
     data = data.assign_coords(bound_time=("bound_time", bound.time, {"units": "s"}))
-    attributes = {"units": "rad", "description": "Posterior Cramer-Rao bound of the heading"}
-    data["bound.heading_sigma"] = ("bound_time", bound.heading_sigma, attributes)
-    data.attrs["bound.heading_rms"] = bound.heading_rms(window.start, window.stop)
+    description = "Posterior Cramer-Rao bound of the "
+    data["bound.heading_sigma"] = (
+        "bound_time",
+        bound.heading_sigma,
+        {"units": "rad", "description": f"{description}heading"},
+    )
+    if known.gnss_position_sigma is not None:
+        data["bound.position_sigma"] = (
+            ("bound_time", "axis3"),
+            bound.sigma[:, POSITION],
+            {"units": "m", "description": f"{description}position (east, north, up)"},
+        )
+    data.attrs |= attributes
     return data
 
 
@@ -287,6 +349,8 @@ def _attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ()
         "evaluation.start": window.start,
         "evaluation.stop": min(window.stop, scenario.duration),
         "evaluation.heading_limit": window.heading_limit,
+        "evaluation.horizontal_limit": _horizontal_limit(scenario, plant),
+        "filter_fmu": scenario.filter_fmu,
         "settings": json.dumps(
             {
                 "plant": _readable(scenario.plant, plant),
@@ -299,6 +363,13 @@ def _attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ()
         ),
         "messages": json.dumps([str(message) for message in messages]),
     }
+
+
+def _horizontal_limit(scenario: Scenario, plant: Fmu) -> float:
+    """Horizontal RMSE up to which a filter navigates [m]: of a single fix, or as the scenario has it."""
+    if scenario.evaluation.horizontal_limit is not None:
+        return scenario.evaluation.horizontal_limit
+    return math.hypot(*(float(_value(scenario, plant, f"gnss.position_sigma[{i}]")) for i in (1, 2)))
 
 
 def _version() -> str:

@@ -2,8 +2,6 @@
 
 import time
 
-import pytest
-
 from sim_scenarios.benchmark import Clock, shares
 from sim_scenarios.fmus import Fmus
 
@@ -11,9 +9,10 @@ from sim_scenarios.fmus import Fmus
 def test_clock_adds_up() -> None:
     clock = Clock()
     sleep = clock.timed("sleep", time.sleep)
+    start = time.perf_counter()
     for _ in range(3):
         sleep(0.01)
-    assert clock.spent["sleep"] == pytest.approx(0.03, rel=0.5)
+    assert 0.03 <= clock.spent["sleep"] < time.perf_counter() - start
     assert clock.timed("sum", sum)([1, 2]) == 3
 
 

@@ -7,8 +7,8 @@ import trajectories
 from pyins.error_model import InsErrorModel
 from scipy.linalg import block_diag
 
-from sim_scenarios.attitude import wrap
-from sim_scenarios.bounds import Knowledge, Trajectory, cramer_rao
+from sim_scenarios.attitude import misalignment, wrap
+from sim_scenarios.bounds import POSITION, Knowledge, Trajectory, _observation, cramer_rao
 from sim_scenarios.errors import InputError
 from sim_scenarios.simulation import bound
 from sim_scenarios.units import ARCMIN, DEGREE
@@ -52,6 +52,14 @@ def test_plant_and_closed_form_agree(scenario: str, fmus) -> None:
     closed_form = cramer_rao(trajectories.ship(TIME, **MOTIONS[motion]), Knowledge())
     plant = bound(scenario, fmus=fmus).attrs["bound.heading_rms"]
     assert plant == pytest.approx(closed_form.heading_rms(*WINDOW), rel=0.005)
+
+
+def test_the_bound_of_a_scenario_knows_its_lever_arm_and_says_what_it_leaves_out(fmus) -> None:
+    data = bound("swaying_ship", fmus=fmus, set={"plant.gnss.lever_arm": [0, 30, 0], "gnss.latency": 0.5})
+    expected = cramer_rao(trajectories.ship(TIME), Knowledge(lever_arm=(0.0, 30.0, 0.0)))
+    assert data.attrs["bound.heading_rms"] == pytest.approx(expected.heading_rms(*WINDOW), rel=0.005)
+    assert data.attrs["bound.leaves_out"] == "gnss.latency"
+    assert data.attrs["bound.measured"] == "velocity"
 
 
 @pytest.mark.parametrize("motion", ["steady", "waves", "zigzag 20"])
@@ -117,6 +125,50 @@ def heading_sigma_by_pyins(trajectory: Trajectory, k: Knowledge) -> np.ndarray:
     return np.array(result)
 
 
+def test_the_lever_arm_is_observed_as_the_misaligned_attitude_moves_it() -> None:
+    """Row of the attitude against a difference of antenna velocities and places, C and C disturbed by phi."""
+    trajectory = trajectories.ship(TIME[:101], waves=True)
+    lever_arm, phi = np.array([2.0, -30.0, 10.0]), np.array([1e-6, -2e-6, 3e-6])
+    knowledge = Knowledge(lever_arm=tuple(lever_arm), gnss_position_sigma=5.0)
+    H = _observation(trajectory, knowledge, 15)
+    disturbed = misalignment(phi) @ trajectory.C_bn
+    moved = (disturbed - trajectory.C_bn) @ lever_arm
+    # d/dt in n of what is carried along by the body is C (w x l), w_en apart (1e-6 rad/s)
+    swung = np.gradient(moved, trajectory.time, axis=0)
+    np.testing.assert_allclose(H[:, :3, :3] @ phi, swung, atol=1e-9)
+    np.testing.assert_allclose(H[:, 3:, :3] @ phi, moved, atol=1e-9)
+    np.testing.assert_array_equal(H[:, :3, 3:6], np.broadcast_to(np.eye(3), (101, 3, 3)))
+    np.testing.assert_array_equal(H[:, 3:, 12:], np.broadcast_to(np.eye(3), (101, 3, 3)))
+
+
+def test_a_lever_arm_that_swings_shows_the_heading() -> None:
+    trajectory = trajectories.ship(TIME)
+    at_imu, at_bow = (Knowledge(lever_arm=(0.0, forward, 0.0)) for forward in (0.0, 30.0))
+    limits = [cramer_rao(trajectory, knowledge).heading_rms(*WINDOW) for knowledge in (at_imu, at_bow)]
+    assert limits[1] < 0.6 * limits[0]
+
+
+def test_positions_alone_are_averaged() -> None:
+    """With a perfect IMU at rest an error of position stays, one of height grows as cosh(sqrt(2 g / R) t)."""
+    trajectory = trajectories.ship(TIME[:1001], sway=False, speed=0.0)
+    perfect = Knowledge(
+        tilt_sigma=1e-9,
+        heading_sigma=1e-9,
+        velocity_sigma=1e-9,
+        gyro_bias_sigma=1e-15,
+        accelerometer_bias_sigma=1e-12,
+        angle_random_walk=0.0,
+        velocity_random_walk=0.0,
+        position_sigma=20.0,
+        gnss_position_sigma=(5.0, 5.0, 10.0),
+    )
+    growth = np.cosh(np.sqrt(2 * 9.795 / 6.384e6) * np.arange(101.0))
+    sigma = cramer_rao(trajectory, perfect).sigma[:, POSITION]
+    for axis, (gnss, grown) in enumerate(((5.0, np.ones(101)), (5.0, np.ones(101)), (10.0, growth))):
+        information = 1 / 20.0**2 + (np.cumsum(grown**2) - 1) / gnss**2  # the first fix comes after 1 s
+        np.testing.assert_allclose(sigma[:, axis], grown / np.sqrt(information), rtol=1e-3)
+
+
 def test_more_knowledge_never_hurts() -> None:
     trajectory = trajectories.ship(TIME[:3001], waves=True)
     coarse = cramer_rao(trajectory, Knowledge()).heading_sigma
@@ -125,6 +177,7 @@ def test_more_knowledge_never_hurts() -> None:
         Knowledge(heading_sigma=5 * DEGREE),
         Knowledge(angle_random_walk=0.0),
         Knowledge(gyro_bias_sigma=1e-8),
+        Knowledge(gnss_position_sigma=5.0),
     ):
         assert np.all(cramer_rao(trajectory, better).heading_sigma <= coarse * (1 + 1e-9))
 

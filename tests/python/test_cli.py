@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import json
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pandas as pd
 import pytest
+from rich.console import Console
 from typer.testing import CliRunner, Result
 
-from sim_scenarios.cli import app
+from sim_scenarios.cli.application import app
+from sim_scenarios.cli.terminal import print_table
 
 SHORT = ["--set", "duration=60", "--set", "evaluation.start=30"]
 LONG = ["--set", "duration=320"]
@@ -25,10 +31,9 @@ def test_run_converges(tmp_path: Path) -> None:
     assert result.exit_code == 0
     for line in (
         "Converged: heading RMSE",
-        "heading RMSE, 300 to 320 s",
-        "Cramer-Rao bound",
-        "converged",
-        "report",
+        "300 to 320 s",
+        "arcmin (RMS over many runs; one run may lie below)",
+        "eps_E / (w_ie cos L)",
     ):
         assert line in result.stdout
     assert str(tmp_path / "report.html") in result.stdout
@@ -111,6 +116,10 @@ def test_list() -> None:
         (["run", "swaying_ship", "--set", "robust.gamma"], "write NAME=VALUE"),
         (["run", "swaying_ship", "--set", "prior.heading_sigma=10 mg"], "not in a unit"),
         (["run", "swaying_ship", "--set", "robust.gamma=-1"], "robust.gamma"),
+        (["run", "swaying_ship", "--seed", "2147483648"], "not a whole number from 0 to 2147483647"),
+        (["run", "swaying_ship", "--seed", "-1"], "seed: -1 is not a whole number from 0"),
+        (["run", "swaying_ship", "--set", "motion.latitude=95 deg"], "motion.latitude = 95 deg: must be at"),
+        (["run", "swaying_ship", "--set", "evaluation.heading_limit=-1 deg"], "must be greater than 0"),
         (["compare", "swaying_ship", "--set", "duration=-3"], "duration = -3 s"),
         (["bound", "swaying_ship", "--set", "gnss.velocity_sigma=0"], "the bound needs GNSS"),
         (["replay", "absent.csv", "--heading", "10"], "there is no recording absent.csv"),
@@ -128,11 +137,74 @@ def test_bad_input_is_refused_in_a_sentence(arguments: list[str], words: str) ->
 
 
 @pytest.mark.usefixtures("fmus")
-def test_a_folder_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("folder", ["file", "file/below"])
+def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path: Path, folder: str) -> None:
     (tmp_path / "file").touch()
-    result = truenorth("bound", "turn", "-o", tmp_path / "file")
+    result = truenorth("run", "swaying_ship", "-o", tmp_path / folder)
     assert result.exit_code == 2
-    assert "--output" in result.stderr
+    assert "file is not a folder" in " ".join(result.stderr.split())
+    assert "25 %" not in result.stderr
+
+
+@pytest.mark.usefixtures("fmus")
+def test_results_without_a_folder_keep_earlier_ones(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    pages = [json.loads(truenorth("bound", "turn", "--json").stdout)["report"] for _ in range(3)]
+    names = ["turn-bound", "turn-bound-2", "turn-bound-3"]
+    assert pages == [f"truenorth-results/{name}/report.html" for name in names]
+    assert all(Path(page).is_file() for page in pages)
+    truenorth("bound", "turn", "-o", "mine")
+    assert (
+        json.loads(truenorth("bound", "turn", "--json", "-o", "mine").stdout)["report"] == "mine/report.html"
+    )
+
+
+@pytest.mark.usefixtures("fmus")
+def test_a_filter_that_coasts_at_the_end_has_not_converged(tmp_path: Path) -> None:
+    outage = ["--set", "gnss.outage.begin=[305,0,0,0]", "--set", "gnss.outage.end=[1000,0,0,0]"]
+    result = truenorth("run", "swaying_ship", *LONG, *outage, "-o", tmp_path)
+    assert result.exit_code == 1
+    assert "Not converged: the filter is coasting at the end" in result.stdout
+    assert "gnss.outage.begin, gnss.outage.end" in result.stdout  # what the bound leaves out
+
+
+@pytest.mark.usefixtures("fmus")
+def test_notes_of_a_changed_scenario_say_that_it_is_changed(tmp_path: Path) -> None:
+    changed = truenorth("compare", "zigzag", *SHORT, "-o", tmp_path).stdout
+    assert "before duration, evaluation.start changed: The bound falls" in " ".join(changed.split())
+    assert "changed:" not in truenorth("compare", "zigzag", "-o", tmp_path).stdout
+
+
+def test_figures_stay_whole_at_80_columns(capsys: pytest.CaptureFixture[str]) -> None:
+    """The widest table that a shipped scenario makes: the labels fold, no figure does."""
+    cells = ["12.34", "0.98", "123.45", "12.34", "176 s", "1.23", "123"]
+    heading = [
+        "RMSE\n[']",
+        "/\nbound",
+        "largest\n[']",
+        "sigma\n[']",
+        "in limit\nsince",
+        "NIS /\nchan.",
+        "refused",
+    ]
+    rows = [["Filter", *heading], ["robust UKF, L = I (printed), and more of it", *cells]]
+    print_table(rows, Console(width=80))
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert any(all(cell in line for cell in cells) for line in lines)
+
+
+@pytest.mark.parametrize("delay", [0.3, 1.5])
+def test_an_interruption_ends_in_one_line(tmp_path: Path, delay: float) -> None:
+    """While modules are imported, and in the midst of a run."""
+    command = [sys.executable, "-m", "sim_scenarios.cli", "run", "swaying_ship", "--set", "duration=100000"]
+    with subprocess.Popen([*command, "-o", str(tmp_path)], stderr=subprocess.PIPE, text=True) as process:
+        time.sleep(delay)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert said.splitlines()[-1] == "truenorth: interrupted"
+    assert "Traceback" not in said
 
 
 @pytest.mark.usefixtures("fmus")
@@ -147,11 +219,15 @@ def test_replay_shows_the_heading_over_time(tmp_path: Path) -> None:
     options = ["--heading", 5, "--zero-velocity", "--position", "0,0,0", "-o", tmp_path]
     result = truenorth("replay", tmp_path / "still.csv", *options)
     assert result.exit_code == 1  # one minute is too short
-    assert "heading at the end" in result.stdout
+    assert "Heading at the end" in result.stdout
     content = json.loads(truenorth("replay", tmp_path / "still.csv", *options, "--json").stdout)
     assert content["headings"][0]["heading_deg"] == pytest.approx(5)
     end = content["headings"][-1]["heading_deg"]
     assert abs((end + 180) % 360 - 180) < 5
+
+    never = truenorth("replay", tmp_path / "still.csv", *options, "--rate", 0.001)
+    assert never.exit_code == 1
+    assert "no fix came, it is waiting at the end" in never.stdout
 
 
 @pytest.mark.parametrize("command", ["run", "compare", "bound", "replay"])

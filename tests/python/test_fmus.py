@@ -43,6 +43,20 @@ def test_the_environment_comes_first(monkeypatch: pytest.MonkeyPatch, tmp_path: 
     assert find("TruthPlant") == tmp_path / "TruthPlant.fmu"
 
 
+def test_whole_numbers_keep_their_declared_range(fmus: Fmus) -> None:
+    assert fmus.plant.assignments("seed", 2**31 - 1) == {"seed": 2**31 - 1}
+    for seed in (-1, 2**31):
+        with pytest.raises(InputError, match=rf"seed: {seed} is not a whole number from 0 to 2147483647"):
+            fmus.plant.assignments("seed", seed)
+
+
+def test_what_an_fmu_says_is_shown_in_the_units_that_people_read(fmus: Fmus) -> None:
+    said = "motion.latitude = 1.6580627893946132: must be at most 1.5707963267948966"
+    assert fmus.plant.readable(said) == "motion.latitude = 95 deg: must be at most 90 deg"
+    for other in ("seed = -1: must be at least 0", "teapot = 1.5: must be at most 1", "no rule at all"):
+        assert fmus.plant.readable(other) == other
+
+
 @pytest.mark.parametrize("number", [float("nan"), float("inf")])
 def test_refuses_what_is_not_finite(number: float) -> None:
     with pytest.raises(InputError, match="not a finite number"):

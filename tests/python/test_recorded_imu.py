@@ -142,6 +142,8 @@ def test_a_gap_is_a_jump_of_the_sample_counter() -> None:
         ),
         (lambda t: t.iloc[:1], "has 1 samples"),
         (lambda t: t.assign(time=0.0), "line 3: time must increase"),
+        (lambda t: t.assign(**{c: 100 * t[c] for c in IMU}), "seems to hold rates, not increments"),
+        (lambda t: t.assign(**{c: t[c] / 9.8 for c in IMU}), r"\|delta_velocity\| / dt is (1|0\.99)"),
         (lambda t: t.assign(delta_angle_x="x"), "column delta_angle_x holds something that is not a number"),
     ],
 )

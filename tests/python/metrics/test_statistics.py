@@ -2,19 +2,19 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import chi2
 
-from sim_scenarios.metrics import (
+from sim_scenarios.errors import InputError
+from sim_scenarios.metrics.statistics import (
     chi_square_interval,
     heading_rmse,
     holds_since,
-    judge,
+    nees,
     nis_statistics,
+    rms,
 )
-from sim_scenarios.units import ARCMIN, DEGREE
 
 TIME = np.arange(601.0)
 
@@ -31,7 +31,7 @@ def test_rmse_wraps_and_ignores_what_is_outside_the_window() -> None:
 
 
 def test_rmse_needs_samples() -> None:
-    with pytest.raises(ValueError, match="between 700 s and 800 s"):
+    with pytest.raises(InputError, match="between 700 s and 800 s"):
         heading_rmse(TIME, TIME, 700, 800)
 
 
@@ -73,43 +73,26 @@ def test_nis_without_fixes() -> None:
     assert nis_statistics(np.array([]), 2).count == 0
 
 
-def recorded(error: np.ndarray) -> xr.Dataset:
-    """A run with a given heading error, a fix each second of which the first is rejected."""
-    return xr.Dataset(
-        {
-            "heading_error": ("time", error),
-            "heading_sigma": ("time", np.full(601, 10 * ARCMIN)),
-            "converged": ("time", TIME >= 100),
-            "nis": ("fix", np.full(600, 2.0)),
-            "innovation_sigma": (("fix", "axis3"), np.tile([0.1, 0.1, 0.0], (600, 1))),  # up is not measured
-            "fix_used": ("fix", TIME[1:] > 1),
-            "rejected_fixes": ("fix", np.ones(600, dtype=int)),
-        },
-        coords={"time": TIME, "fix_time": ("fix", TIME[1:])},
-        attrs={
-            "evaluation.start": 300.0,
-            "evaluation.stop": 600.0,
-            "evaluation.heading_limit": 0.5 * DEGREE,
-            "bound.heading_rms": 5 * ARCMIN,
-        },
-    )
+def test_nis_of_fixes_with_different_numbers_of_channels() -> None:
+    channels = np.tile([6, 24, 10], 5000)
+    values = np.random.default_rng(6).chisquare(channels)
+    statistics = nis_statistics(values, channels)
+    assert statistics.mean == pytest.approx(1, abs=0.01)
+    assert statistics.count == 15_000
+    assert statistics.consistent
 
 
-def test_verdict() -> None:
-    verdict = judge(recorded(np.where(TIME < 150, 1.0, 20 * ARCMIN)))
-    assert verdict.converged
-    assert verdict.heading_rmse == pytest.approx(20 * ARCMIN)
-    assert verdict.convergence_time == 150
-    assert verdict.claimed_time == 100
-    assert verdict.nis.mean == pytest.approx(1)
-    assert verdict.nis.count == 301
-    assert (verdict.used_fixes, verdict.rejected_fixes) == (599, 1)
-    json = verdict.to_json()
-    assert json["heading_rmse_arcmin"] == pytest.approx(20)
-    assert json["bound_arcmin"] == pytest.approx(5)
+def test_nees_of_correlated_states() -> None:
+    """A thousand draws from a covariance, and the same errors under a covariance four times too small."""
+    rng = np.random.default_rng(7)
+    root = rng.standard_normal((6, 6))
+    covariance = root @ root.T + np.eye(6)
+    error = rng.multivariate_normal(np.zeros(6), covariance, 1000)
+    same = np.broadcast_to(covariance, (1000, 6, 6))
+    assert nees(error, same).mean() == pytest.approx(1, abs=4 * np.sqrt(2 / 6000))  # 4 sigma
+    np.testing.assert_allclose(nees(error, same / 4), 4 * nees(error, same))
 
 
-def test_a_large_error_or_a_late_divergence_is_no_convergence() -> None:
-    assert not judge(recorded(np.full(601, 31 * ARCMIN))).converged
-    assert not judge(recorded(np.where(TIME < 600, 0.0, 31 * ARCMIN))).converged
-    assert judge(recorded(np.full(601, 29 * ARCMIN))).converged
+def test_rms_of_numbers_and_of_vectors() -> None:
+    assert rms([3.0, 4.0]) == pytest.approx(np.sqrt(12.5))
+    assert rms(np.array([[3.0, 4.0], [0.0, 0.0]])) == pytest.approx(np.sqrt(12.5))

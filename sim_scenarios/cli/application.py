@@ -1,0 +1,46 @@
+"""The subcommands together."""
+
+from __future__ import annotations
+
+import typer
+
+from sim_scenarios.cli.bound import show_bound
+from sim_scenarios.cli.compare import compare_filters
+from sim_scenarios.cli.listing import list_scenarios
+from sim_scenarios.cli.replay import replay_recording
+from sim_scenarios.cli.run import run_scenario
+
+app = typer.Typer(
+    name="truenorth",
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
+    context_settings={"help_option_names": ["-h", "--help"]},
+    pretty_exceptions_enable=False,
+    add_completion=False,
+)
+
+
+@app.callback()
+def truenorth() -> None:
+    """Put inertial alignment and navigation filters to the test.
+
+    A plant FMU makes the signals of an IMU and a GNSS receiver, a filter FMU finds heading or position.
+
+    For example:
+
+        truenorth list                           what there is to run
+        truenorth run swaying_ship               one run, one verdict, one report
+        truenorth compare swaying_ship_printed   several filters, the same signals
+        truenorth bound zigzag                   how well any filter could do
+        truenorth replay imu.csv --heading 100   a recorded IMU through the filter
+
+    Each command explains itself: `truenorth run --help`. Exit code: 0 converged, 1 not converged, 2 bad
+    input, 130 interrupted.
+    """
+
+
+app.command("list")(list_scenarios)
+app.command("run")(run_scenario)
+app.command("compare")(compare_filters)
+app.command("bound")(show_bound)
+app.command("replay")(replay_recording)

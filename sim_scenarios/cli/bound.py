@@ -1,0 +1,49 @@
+"""`truenorth bound`."""
+
+from __future__ import annotations
+
+from sim_scenarios import report, simulation
+from sim_scenarios.cli.options import AsJson, Output, Scenario, Seed, Settings, settings
+from sim_scenarios.cli.results import Results
+from sim_scenarios.cli.terminal import print_json, print_pairs, print_table, refusing_bad_input
+from sim_scenarios.units import ARCMIN
+
+
+def show_bound(
+    scenario: Scenario,
+    output: Output = None,
+    seed: Seed = None,
+    set_: Settings = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show how well any filter could know the heading in a scenario.
+
+    The posterior Cramer-Rao bound along the true trajectory; no filter runs. It is a root mean square over
+    many runs: a single run may lie below.
+
+    For example:
+
+        truenorth bound zigzag
+        truenorth bound waves --set gnss.velocity_sigma=0.02 --set gnss.rate=10
+    """
+    with refusing_bad_input():
+        results = Results(output)
+        data = simulation.bound(scenario, seed=seed, set=settings(set_))
+        files = results.write(data, report.report_bound, f"{data.attrs['scenario']}-bound")
+    if as_json:
+        print_json(
+            {
+                "scenario": data.attrs["scenario"],
+                "bound_arcmin": data.attrs["bound.heading_rms"] / ARCMIN,
+                "steady_course_limit_arcmin": data.attrs["bound.steady_course_limit"] / ARCMIN,
+                "leaves_out": [name for name in data.attrs["bound.leaves_out"].split(", ") if name],
+                "time_s": data["bound_time"].values.tolist(),
+                "heading_sigma_arcmin": (data["bound.heading_sigma"].values / ARCMIN).tolist(),
+                **files,
+            }
+        )
+        return
+    print_table(report.bound_table(data))
+    start, stop = data.attrs["evaluation.start"], data.attrs["evaluation.stop"]
+    window = {"Evaluated": f"{start:g} to {stop:g} s"}
+    print_pairs({**window, **report.about_bound(data), "Report": files["report"]})

@@ -1,0 +1,62 @@
+"""The folder of a result: chosen and tested before the work begins, filled when it is done."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import Final
+
+import xarray as xr
+
+from sim_scenarios import recording
+from sim_scenarios.errors import InputError
+
+DEFAULT: Final = Path("truenorth-results")
+
+
+@dataclass(frozen=True)
+class Results:
+    """Where the results of a command go.
+
+    A folder that the user names is used as it is, and what it holds is replaced; without one, each result
+    gets a new folder below `truenorth-results`.
+
+    Attributes
+    ----------
+    output : Path or None
+        What the user named.
+    """
+
+    output: Path | None
+
+    def __post_init__(self) -> None:
+        """Refuse a folder that cannot be written, before any work is done."""
+        folder = self.output or DEFAULT
+        existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+        if not existing.is_dir():
+            raise InputError(f"--output {folder}: {existing} is not a folder")
+        if not os.access(existing, os.W_OK | os.X_OK):
+            raise InputError(f"--output {folder}: {existing} cannot be written")
+
+    def write(
+        self, data: xr.Dataset, report: Callable[[xr.Dataset, Path], Path], name: str
+    ) -> dict[str, str]:
+        """Write report and recording; their paths."""
+        folder = self.output or _unused(DEFAULT / name)
+        try:
+            page = report(data, folder)
+            recording.save(data, folder / "recording.nc")
+        except OSError as error:
+            raise InputError(f"--output {folder}: {error.strerror}") from None
+        return {"report": str(page), "recording": str(folder / "recording.nc")}
+
+
+def _unused(folder: Path) -> Path:
+    """The folder, or with the first number behind its name that makes it a new one."""
+    if not folder.exists():
+        return folder
+    numbered = (folder.with_name(f"{folder.name}-{number}") for number in count(2))
+    return next(candidate for candidate in numbered if not candidate.exists())

@@ -1,0 +1,56 @@
+"""`truenorth run`."""
+
+from __future__ import annotations
+
+import typer
+
+from sim_scenarios import report, simulation
+from sim_scenarios.cli.options import AsJson, Output, Scenario, Seed, Settings, settings
+from sim_scenarios.cli.results import Results
+from sim_scenarios.cli.terminal import (
+    print_json,
+    print_pairs,
+    print_verdict,
+    progress,
+    refusing_bad_input,
+    say_messages,
+)
+from sim_scenarios.metrics import judge
+
+
+def run_scenario(
+    scenario: Scenario,
+    output: Output = None,
+    seed: Seed = None,
+    set_: Settings = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run a scenario with its filter and judge the heading, or the navigation.
+
+    For example:
+
+        truenorth run swaying_ship
+        truenorth run swaying_ship --seed 7
+        truenorth run swaying_ship --set prior.heading_sigma="20 deg"
+        truenorth run zigzag --set corrector=standard --set gnss.rate=5
+        truenorth run my_ship.toml --output results --json
+
+    Exit code 0 when the heading converged (or the horizontal position kept its limit), 1 when it did not.
+    """
+    with refusing_bad_input():
+        results = Results(output)
+        with progress(scenario) as advance:
+            run = simulation.run(scenario, seed=seed, set=settings(set_), progress=advance)
+        verdict = judge(run)
+        name = f"{run.attrs['scenario']}-seed{run.attrs['seed']}"
+        files = results.write(run, report.report_run, name)
+    if as_json:
+        about = {"scenario": run.attrs["scenario"], "seed": run.attrs["seed"]}
+        print_json({**about, **verdict.to_json(), **files})
+    else:
+        say_messages(run)
+        print_verdict(verdict.sentence(), verdict.ok)
+        start, stop = run.attrs["evaluation.start"], run.attrs["evaluation.stop"]
+        window = {"Evaluated": f"{start:g} to {stop:g} s"}
+        print_pairs({**window, **report.run_figures(run, verdict), "Report": files["report"]})
+    raise typer.Exit(0 if verdict.ok else 1)

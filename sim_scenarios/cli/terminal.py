@@ -1,0 +1,111 @@
+"""What stands on the terminal: results on standard output, progress and messages on standard error."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+
+import typer
+import xarray as xr
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from sim_scenarios.errors import InputError, SimulationError
+
+
+@contextmanager
+def refusing_bad_input() -> Iterator[None]:
+    """Turn what the user can mend into a sentence and exit code 2."""
+    try:
+        yield
+    except (InputError, SimulationError) as error:
+        typer.echo(f"truenorth: {error}", err=True)
+        raise typer.Exit(2) from None
+
+
+@contextmanager
+def progress(title: str) -> Iterator[Callable[[float], None]]:
+    """Progress on standard error: a bar on a terminal, else a line for each quarter."""
+    standard_error = Console(stderr=True)
+    if not standard_error.is_terminal:
+        yield _quarters(title)
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=standard_error, transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+        last = time.monotonic()
+
+        def advance(share: float) -> None:
+            nonlocal last
+            if (now := time.monotonic()) - last > 0.05 or share >= 1:
+                last = now
+                bar.update(task, completed=share)
+
+        yield advance
+
+
+def _quarters(title: str) -> Callable[[float], None]:
+    reported = 0
+
+    def advance(share: float) -> None:
+        nonlocal reported
+        if (quarter := int(4 * share)) > reported:
+            reported = quarter
+            print(f"{title}: {25 * quarter} %", file=sys.stderr, flush=True)
+
+    return advance
+
+
+def console() -> Console:
+    """Standard output; wide where it is not a terminal, so that a log keeps its lines."""
+    standard_output = Console()
+    return standard_output if standard_output.is_terminal else Console(width=160)
+
+
+def print_json(content: Mapping[str, object]) -> None:
+    """One JSON object."""
+    print(json.dumps(content, indent=2, allow_nan=False))
+
+
+def say_messages(data: xr.Dataset, most: int = 5) -> None:
+    """What the FMUs said, if it is not too much."""
+    messages = json.loads(data.attrs["messages"])
+    standard_error = Console(stderr=True, highlight=False)
+    for message in messages[:most]:
+        standard_error.print(message, style="dim", markup=False)
+    if len(messages) > most:
+        standard_error.print(f"... and {len(messages) - most} more messages, in the report", style="dim")
+
+
+def print_verdict(sentence: str, good: bool) -> None:
+    """A verdict, in its colour."""
+    console().print(sentence, style=f"bold {'green' if good else 'red'}", highlight=False, markup=False)
+
+
+def print_table(rows: list[list[str]], output: Console | None = None) -> None:
+    """Rows, the heading first. Where it is narrow the first column folds, never a figure."""
+    table = Table(box=None, pad_edge=False)
+    for i, title in enumerate(rows[0]):
+        table.add_column(
+            title.replace("[", r"\["), justify="right" if i else "left", no_wrap=bool(i), vertical="bottom"
+        )
+    for row in rows[1:]:
+        table.add_row(*row)
+    (output or console()).print(table)
+
+
+def print_pairs(pairs: Mapping[str, str]) -> None:
+    """A name and a value on each line."""
+    output, width = console(), max(map(len, pairs))
+    for name, value in pairs.items():
+        output.print(f"{name:<{width}}  {value}", soft_wrap=True, highlight=False, markup=False)
+
+
+def print_notes(notes: str) -> None:
+    """What to expect of a scenario."""
+    if notes:
+        console().print(notes.strip().replace("\n", " "), style="italic", highlight=False, markup=False)

@@ -1,0 +1,131 @@
+"""Verdict on an alignment: heading RMSE, convergence, consistency."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from sim_scenarios.attitude import wrap
+from sim_scenarios.metrics.statistics import heading_rmse, holds_since, rms, within
+from sim_scenarios.metrics.verdict import UNFIT, Verdict, of_fixes, status_at_end, window
+from sim_scenarios.units import ARCMIN
+
+
+@dataclass(frozen=True, kw_only=True)
+class AlignmentVerdict(Verdict):
+    """How well a filter aligned; SI units, None where a figure does not exist.
+
+    `ok`: the RMSE of the heading over the evaluation window and its error at the end are within the limit,
+    and the filter is neither waiting nor coasting nor faulted at the end.
+
+    Attributes
+    ----------
+    heading_rmse, heading_mean, heading_largest : float
+        Over the evaluation window [rad].
+    heading_end : float
+        Heading error at the end [rad].
+    heading_sigma : float
+        RMS of the sigma that the filter claims over the window [rad].
+    convergence_time : float or None
+        Time from which the heading error stays within the limit [s].
+    claimed_time : float or None
+        Time from which the filter itself reports "converged" until the end [s].
+    bound : float or None
+        RMS over the window of the posterior Cramer-Rao bound [rad]; a figure of many runs, not of this one.
+    """
+
+    heading_rmse: float
+    heading_mean: float
+    heading_largest: float
+    heading_end: float
+    heading_sigma: float
+    convergence_time: float | None
+    claimed_time: float | None
+    bound: float | None
+
+    @property
+    def converged(self) -> bool:
+        """Whether the heading converged."""
+        return self.ok
+
+    def sentence(self) -> str:
+        """The verdict in a sentence."""
+        rmse = f"heading RMSE {_arcmin(self.heading_rmse)}"
+        if self.ok:
+            since = f", within the limit since {self.convergence_time:.0f} s" if self.convergence_time else ""
+            return f"Converged: {rmse}{since}"
+        if not self.fit:
+            return f"Not converged: the filter is {self.status} at the end; {rmse}"
+        return f"Not converged: {rmse}, {self.heading_end / ARCMIN:+.2f} arcmin at the end"
+
+    def headline(self) -> dict[str, str]:
+        """Headline figures of a run."""
+        claimed = "never" if self.claimed_time is None else f"since {self.claimed_time:.0f} s"
+        return {
+            "Heading RMSE of this run": _arcmin(self.heading_rmse),
+            "Cramer-Rao bound": bound_in_words(self.bound),
+            "Filter's own sigma": _arcmin(self.heading_sigma),
+            "Filter reports convergence": claimed,
+            **self._fix_figures(),
+        }
+
+    def row(self) -> dict[str, str]:
+        """Figures of a line in a comparison."""
+        since = f"{self.convergence_time:.0f} s" if self.ok and self.convergence_time is not None else "no"
+        return {
+            "RMSE\n[']": f"{self.heading_rmse / ARCMIN:.2f}",
+            "/\nbound": f"{self.heading_rmse / self.bound:.2f}" if self.bound else "-",
+            "largest\n[']": f"{self.heading_largest / ARCMIN:.2f}",
+            "sigma\n[']": f"{self.heading_sigma / ARCMIN:.2f}",
+            "in limit\nsince": since,
+            **self._fix_cells(),
+        }
+
+    def figures(self) -> dict[str, Any]:
+        """Figures for machines."""
+        return {
+            "converged": self.ok,
+            "heading_rmse_arcmin": self.heading_rmse / ARCMIN,
+            "heading_mean_arcmin": self.heading_mean / ARCMIN,
+            "heading_largest_arcmin": self.heading_largest / ARCMIN,
+            "heading_end_arcmin": self.heading_end / ARCMIN,
+            "heading_sigma_arcmin": self.heading_sigma / ARCMIN,
+            "bound_arcmin": None if self.bound is None else self.bound / ARCMIN,
+            "convergence_time_s": self.convergence_time,
+            "claimed_time_s": self.claimed_time,
+        }
+
+
+def judge(run: xr.Dataset) -> AlignmentVerdict:
+    """Verdict on the heading of one filter of a run (a data set of `sim_scenarios.run`)."""
+    start, stop = window(run)
+    limit = float(run.attrs["evaluation.heading_limit"])
+    time, error = run["time"].values, wrap(run["heading_error"].values)
+    inside = within(time, error, start, stop)
+    rmse = heading_rmse(time, error, start, stop)
+    status = status_at_end(run)
+    return AlignmentVerdict(
+        ok=bool(rmse <= limit and abs(error[-1]) <= limit and status not in UNFIT),
+        status=status,
+        heading_rmse=rmse,
+        heading_mean=float(np.mean(inside)),
+        heading_largest=float(np.max(np.abs(inside))),
+        heading_end=float(error[-1]),
+        heading_sigma=rms(within(time, run["heading_sigma"].values, start, stop)),
+        convergence_time=holds_since(time, np.abs(error) <= limit),
+        claimed_time=holds_since(time, run["converged"].values),
+        bound=run.attrs.get("bound.heading_rms"),
+        **of_fixes(run),
+    )
+
+
+def bound_in_words(rms: float | None) -> str:
+    """The bound of the heading [rad], and what it is a figure of."""
+    return "none" if rms is None else f"{_arcmin(rms)} (RMS over many runs; one run may lie below)"
+
+
+def _arcmin(angle: float) -> str:
+    return f"{angle / ARCMIN:.2f} arcmin"

@@ -1,0 +1,163 @@
+"""Statistics of errors and of fixes that every verdict is made of.
+
+A filter is consistent when its normalised innovations squared, NIS = v' S^-1 v, are chi-square with as many
+degrees of freedom as a fix has channels; the sum of N of them is then chi-square with the sum of their
+degrees of freedom. NEES = e' P^-1 e is the same of its errors; those of successive times are correlated, so
+their mean has no such interval (Bar-Shalom, Li and Kirubarajan 2001, sec. 5.4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import chdtri
+
+from sim_scenarios.attitude import wrap
+from sim_scenarios.errors import InputError
+
+Array = NDArray[np.float64]
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class NisStatistics:
+    """Mean NIS of a run against its chi-square interval.
+
+    Attributes
+    ----------
+    mean : float
+        Mean NIS for each channel; 1 for a consistent filter, NaN without a fix.
+    lower, upper : float
+        Interval that holds the mean of a consistent filter with 95 % probability.
+    count : int
+        Fixes that count.
+    """
+
+    mean: float
+    lower: float
+    upper: float
+    count: int
+
+    @property
+    def consistent(self) -> bool:
+        """Whether the mean lies in the interval."""
+        return self.lower <= self.mean <= self.upper
+
+    def __str__(self) -> str:
+        """The mean, with the interval to hold it against."""
+        if self.count == 0:
+            return "no fix was used"
+        return f"{self.mean:.3f} ({self.lower:.2f} to {self.upper:.2f} is consistent)"
+
+
+def within(time: Array, values: Array, start: float, stop: float) -> Array:
+    """Values at the times start..stop, ends included; time is their first dimension."""
+    inside = values[(time >= start) & (time <= stop)]
+    if len(inside) == 0:
+        raise InputError(f"nothing is recorded between {start:g} s and {stop:g} s")
+    return inside
+
+
+def rms(values: ArrayLike) -> float:
+    """Root mean square of lengths: vectors lie along the last of two dimensions."""
+    squares = np.square(np.asarray(values, dtype=float))
+    return float(np.sqrt(np.mean(squares.sum(axis=-1) if squares.ndim > 1 else squares)))
+
+
+def heading_rmse(time: Array, error: Array, start: float, stop: float) -> float:
+    """Root mean square of a heading error, wrapped, over start..stop.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s]
+    error : ndarray, shape (n,)
+        [rad]
+    start, stop : float
+        Window, ends included [s].
+
+    Returns
+    -------
+    float
+        [rad]
+    """
+    return rms(wrap(within(time, error, start, stop)))
+
+
+def holds_since(time: Array, condition: NDArray[np.bool_]) -> float | None:
+    """Time from which a condition holds until the end; None if it does not hold there.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s]
+    condition : ndarray of bool, shape (n,)
+        Whether it holds at each time.
+
+    Returns
+    -------
+    float or None
+        [s]
+    """
+    broken = np.flatnonzero(~condition)
+    first = broken[-1] + 1 if len(broken) else 0
+    return float(time[first]) if first < len(time) else None
+
+
+def nis_statistics(nis: Array, channels: ArrayLike) -> NisStatistics:
+    """Mean NIS for each channel, with the interval that a consistent filter keeps.
+
+    Parameters
+    ----------
+    nis : ndarray, shape (n,)
+        NIS of the fixes that were used.
+    channels : int or ndarray, shape (n,)
+        Channels of each fix.
+    """
+    count = len(nis)
+    degrees = int(np.broadcast_to(channels, count).sum())
+    if degrees == 0:
+        return NisStatistics(float("nan"), 0.0, float("inf"), 0)
+    lower, upper = chi_square_interval(degrees)
+    return NisStatistics(float(np.sum(nis)) / degrees, lower / degrees, upper / degrees, count)
+
+
+def nees(error: Array, covariance: Array) -> Array:
+    """Normalised estimation error squared, divided by the number of states.
+
+    Parameters
+    ----------
+    error : ndarray, shape (n, states)
+        Estimated minus true.
+    covariance : ndarray, shape (n, states, states)
+        That the filter claims for these errors; positive definite.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        With mean 1 for a consistent filter.
+    """
+    normalised = np.linalg.solve(covariance, error[..., None])[..., 0]
+    result: Array = np.sum(error * normalised, axis=-1) / error.shape[-1]
+    return result
+
+
+def chi_square_interval(degrees_of_freedom: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
+    """Interval, with equal tails, that holds a chi-square variable with a given probability."""
+    tail = (1 - confidence) / 2
+    return float(chdtri(degrees_of_freedom, 1 - tail)), float(chdtri(degrees_of_freedom, tail))
+
+
+def is_measured(run: xr.Dataset) -> NDArray[np.bool_]:
+    """Which channels each fix measured, shape (fix, channel): those whose innovation has a sigma."""
+    measured: NDArray[np.bool_] = run["innovation_sigma"].values > 0
+    return measured
+
+
+def measured_channels(run: xr.Dataset) -> NDArray[np.intp]:
+    """Channels that the filter's model measures at any fix."""
+    return np.flatnonzero(is_measured(run).any(axis=0))

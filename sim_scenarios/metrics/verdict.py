@@ -1,0 +1,109 @@
+"""What every verdict on a run has in common, whatever the filter was for."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, Final
+
+import xarray as xr
+
+from sim_scenarios.metrics.statistics import NisStatistics, is_measured, nis_statistics
+
+UNFIT: Final = ("waiting", "coasting", "faulted")
+"""Status of a filter whose estimate is not to be relied on, however small its error."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict(ABC):
+    """How well a filter did; SI units.
+
+    Attributes
+    ----------
+    ok : bool
+        The filter did what it is for: exit code 0.
+    status : str
+        Status of the filter at the end.
+    nis : NisStatistics
+        Over the fixes that the filter used in the evaluation window.
+    used_fixes, rejected_fixes : int
+    """
+
+    ok: bool
+    status: str
+    nis: NisStatistics
+    used_fixes: int
+    rejected_fixes: int
+
+    @property
+    def fit(self) -> bool:
+        """Whether the estimate of the end is to be relied on."""
+        return self.status not in UNFIT
+
+    @abstractmethod
+    def sentence(self) -> str:
+        """The verdict in a sentence."""
+
+    @abstractmethod
+    def headline(self) -> dict[str, str]:
+        """Headline figures with units, by what they are."""
+
+    @abstractmethod
+    def row(self) -> dict[str, str]:
+        """Figures of a line in a comparison, by column; a column may have two lines."""
+
+    @abstractmethod
+    def figures(self) -> dict[str, Any]:
+        """Figures of its own under names that end in their unit, for machines."""
+
+    def to_json(self) -> dict[str, Any]:
+        """All figures for machines; None where one does not exist."""
+        known = self.nis.count > 0
+        return {
+            **self.figures(),
+            "status": self.status,
+            "nis_per_channel": self.nis.mean if known else None,
+            "nis_interval": [self.nis.lower, self.nis.upper] if known else None,
+            "nis_consistent": self.nis.consistent if known else None,
+            "used_fixes": self.used_fixes,
+            "rejected_fixes": self.rejected_fixes,
+        }
+
+    def __str__(self) -> str:
+        """The sentence, and a headline figure a line."""
+        return "\n".join([self.sentence(), *(f"  {name}: {text}" for name, text in self.headline().items())])
+
+    def _fix_figures(self) -> dict[str, str]:
+        return {
+            "Mean NIS / channels": str(self.nis),
+            "Fixes used, rejected": f"{self.used_fixes}, {self.rejected_fixes}",
+        }
+
+    def _fix_cells(self) -> dict[str, str]:
+        mean = "-" if math.isnan(self.nis.mean) else f"{self.nis.mean:.2f}"
+        return {"NIS /\nchan.": mean, "refused": str(self.rejected_fixes)}
+
+
+def window(run: xr.Dataset) -> tuple[float, float]:
+    """Start and stop of the evaluation of a run [s]."""
+    return float(run.attrs["evaluation.start"]), float(run.attrs["evaluation.stop"])
+
+
+def status_at_end(run: xr.Dataset) -> str:
+    """Name of the status of the filter at the end."""
+    status = run["status"]
+    names = dict(zip(status.attrs["flag_values"], status.attrs["flag_meanings"].split(), strict=True))
+    return str(names[int(status.values[-1])])
+
+
+def of_fixes(run: xr.Dataset) -> dict[str, Any]:
+    """What a verdict says of the fixes of a run."""
+    start, stop = window(run)
+    time, used = run["fix_time"].values, run["fix_used"].values
+    counted = used & (time >= start) & (time <= stop)
+    return {
+        "nis": nis_statistics(run["nis"].values[counted], is_measured(run)[counted].sum(axis=1)),
+        "used_fixes": int(used.sum()),
+        "rejected_fixes": int(run["rejected_fixes"].values[-1]) if run.sizes["fix"] else 0,
+    }

@@ -1,0 +1,1 @@
+"""Pictures of runs: heading, navigation errors, states, fixes."""

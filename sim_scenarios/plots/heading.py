@@ -1,0 +1,120 @@
+"""Pictures of an alignment: the heading with sigma and bound."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from sim_scenarios.plots.style import BAND, BLUE, INK, ORANGE, figure, limit, lines, shade_window
+from sim_scenarios.units import ARCMIN, DEGREE
+
+BOUND = "bound.heading_sigma"
+
+
+def heading_error(run: xr.Dataset) -> Figure:
+    """Heading error with 3 sigma and the bound: the whole run in degrees, its end in arcminutes."""
+    time, error, sigma = run["time"].values, run["heading_error"].values, run["heading_sigma"].values
+    with figure(rows=2, height=6.2, sharex=True) as (drawn, (whole, end)):
+        for axes, unit in ((whole, DEGREE), (end, ARCMIN)):
+            shade_window(axes, run, "evaluation window")
+            axes.fill_between(
+                time, -3 * sigma / unit, 3 * sigma / unit, label="3 sigma of the filter", **BAND
+            )
+            _draw_three_sigma_of_bound(axes, run, unit)
+            axes.plot(time, error / unit, color=BLUE, lw=1.3, label="heading error")
+        limit(whole, np.abs(error).max() / DEGREE, floor=1.0)
+        whole.set_ylabel("deg")
+        whole.set_title("Heading error: estimated minus true")
+        whole.legend(loc="upper right", ncols=2)
+        inside = time >= run.attrs["evaluation.start"]
+        reach = max(np.abs(error[inside]).max(), 3.3 * sigma[inside].max(), 3.3 * _last_bound(run))
+        limit(end, reach / ARCMIN, floor=1.0)
+        end.set_ylabel("arcmin")
+        end.set_xlabel("time [s]")
+        return drawn
+
+
+def heading(run: xr.Dataset) -> Figure:
+    """Heading over time with 3 sigma, for a run without truth."""
+    time, estimate = run["time"].values, np.unwrap(run["nav.heading"].values) / DEGREE
+    sigma = 3 * run["heading_sigma"].values / DEGREE
+    final = estimate[-1]
+    with figure(rows=2, height=6.2, sharex=True) as (drawn, (whole, end)):
+        for axes in (whole, end):
+            axes.fill_between(time, estimate - sigma, estimate + sigma, label="3 sigma", **BAND)
+            axes.plot(time, estimate, color=BLUE, lw=1.3, label="heading")
+            axes.set_ylabel("deg")
+        whole.set_title("Heading, clockwise from north")
+        whole.legend(loc="upper right")
+        late = time >= (time[0] + time[-1]) / 2
+        reach = max(1.2 * np.abs(estimate[late] - final).max(), 1.2 * sigma[late].max())
+        end.set_ylim(final - reach, final + reach)
+        end.ticklabel_format(useOffset=False)
+        end.set_xlabel("time [s]")
+        return drawn
+
+
+def comparison(runs: xr.Dataset) -> Figure:
+    """Heading errors of several filters on the same signals, and the bound."""
+    time = runs["time"].values
+    with figure(rows=2, height=7.0, sharex=True) as (drawn, (whole, end)):
+        for axes, unit in ((whole, DEGREE), (end, ARCMIN)):
+            shade_window(axes, runs)
+            if BOUND in runs:
+                bound = runs[BOUND].values / unit
+                axes.fill_between(
+                    runs["bound_time"],
+                    -bound,
+                    bound,
+                    color=INK,
+                    alpha=0.14,
+                    lw=0,
+                    label="1 sigma of the Cramer-Rao bound",
+                )
+            for label, colour, dashes in lines(runs["filter"].values):
+                error = runs["heading_error"].sel(filter=label) / unit
+                axes.plot(time, error, dashes, color=colour, lw=1.4, label=label)
+        whole.set_ylabel("deg")
+        whole.set_title("Heading error of each filter on the same signals")
+        whole.legend(loc="upper right", ncols=2)
+        inside = time >= runs.attrs["evaluation.start"]
+        reach = 1.1 * np.abs(runs["heading_error"].values[:, inside]).max() / ARCMIN
+        limit(end, reach, floor=max(1.0, 1.5 * _last_bound(runs) / ARCMIN))
+        end.set_ylabel("arcmin")
+        end.set_xlabel("time [s]")
+        return drawn
+
+
+def bound(data: xr.Dataset) -> Figure:
+    """The bound of the heading along a trajectory."""
+    window = (data.attrs["evaluation.start"], data.attrs["evaluation.stop"])
+    rms, steady = (data.attrs[f"bound.{name}"] / ARCMIN for name in ("heading_rms", "steady_course_limit"))
+    with figure(rows=1, height=3.8) as (drawn, (axes,)):
+        shade_window(axes, data, "evaluation window")
+        axes.plot(
+            data["bound_time"], data[BOUND] / ARCMIN, color=ORANGE, lw=1.6, label="sigma of the heading"
+        )
+        axes.plot(window, (rms, rms), ":", color=INK, lw=1.2, label=f"RMS over the window: {rms:.2f} arcmin")
+        axes.axhline(
+            steady, color=BLUE, ls="--", lw=1.0, label=f"limit of a steady course: {steady:.2f} arcmin"
+        )
+        axes.set_yscale("log")
+        axes.set_ylabel("arcmin")
+        axes.set_xlabel("time [s]")
+        axes.set_title(f"Posterior Cramer-Rao bound: {data.attrs['scenario']}")
+        axes.legend(loc="upper right")
+        return drawn
+
+
+def _draw_three_sigma_of_bound(axes: Axes, run: xr.Dataset, unit: float) -> None:
+    if BOUND not in run:
+        return
+    bound = 3 * run[BOUND].values / unit
+    for sign, label in ((1, "3 sigma of the Cramer-Rao bound"), (-1, None)):
+        axes.plot(run["bound_time"], sign * bound, "--", color=ORANGE, lw=1.2, label=label)
+
+
+def _last_bound(data: xr.Dataset) -> float:
+    return float(data[BOUND].values[-1]) if BOUND in data else 0.0

@@ -1,0 +1,82 @@
+"""The verdict on an alignment, on made-up runs."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim_scenarios.metrics import judge
+from sim_scenarios.metrics.alignment import AlignmentVerdict
+from sim_scenarios.units import ARCMIN, DEGREE
+
+TIME = np.arange(601.0)
+STATUS = {"flag_values": [1, 2, 3, 4, 5], "flag_meanings": "waiting aligning converged coasting faulted"}
+
+
+def recorded(error: np.ndarray, status: int = 3) -> xr.Dataset:
+    """A run with a given heading error, a fix each second of which the first is rejected."""
+    return xr.Dataset(
+        {
+            "heading_error": ("time", error),
+            "heading_sigma": ("time", np.full(601, 10 * ARCMIN)),
+            "converged": ("time", TIME >= 100),
+            "status": ("time", np.full(601, status), STATUS),
+            "nis": ("fix", np.full(600, 2.0)),
+            "innovation_sigma": (("fix", "axis3"), np.tile([0.1, 0.1, 0.0], (600, 1))),  # up is not measured
+            "fix_used": ("fix", TIME[1:] > 1),
+            "rejected_fixes": ("fix", np.ones(600, dtype=int)),
+        },
+        coords={"time": TIME, "fix_time": ("fix", TIME[1:])},
+        attrs={
+            "evaluation.start": 300.0,
+            "evaluation.stop": 600.0,
+            "evaluation.heading_limit": 0.5 * DEGREE,
+            "bound.heading_rms": 5 * ARCMIN,
+        },
+    )
+
+
+def test_verdict() -> None:
+    verdict = judge(recorded(np.where(TIME < 150, 1.0, 20 * ARCMIN)))
+    assert isinstance(verdict, AlignmentVerdict)
+    assert verdict.converged
+    assert verdict.heading_rmse == pytest.approx(20 * ARCMIN)
+    assert verdict.convergence_time == 150
+    assert verdict.claimed_time == 100
+    assert verdict.nis.mean == pytest.approx(1)
+    assert verdict.nis.count == 301
+    assert (verdict.used_fixes, verdict.rejected_fixes) == (599, 1)
+    json = verdict.to_json()
+    assert json["heading_rmse_arcmin"] == pytest.approx(20)
+    assert json["bound_arcmin"] == pytest.approx(5)
+
+
+def test_a_large_error_or_a_late_divergence_is_no_convergence() -> None:
+    assert not judge(recorded(np.full(601, 31 * ARCMIN))).ok
+    assert not judge(recorded(np.where(TIME < 600, 0.0, 31 * ARCMIN))).ok
+    assert judge(recorded(np.full(601, 29 * ARCMIN))).ok
+
+
+@pytest.mark.parametrize(("status", "word"), [(1, "waiting"), (4, "coasting"), (5, "faulted")])
+def test_a_filter_that_cannot_be_relied_on_has_not_converged(status: int, word: str) -> None:
+    verdict = judge(recorded(np.zeros(601), status))
+    assert not verdict.ok
+    assert f"the filter is {word} at the end" in verdict.sentence()
+    assert verdict.to_json()["status"] == word
+
+
+def test_a_run_without_a_fix_or_a_bound_has_a_verdict() -> None:
+    run = recorded(np.zeros(601)).isel(fix=slice(0, 0))
+    del run.attrs["bound.heading_rms"]
+    verdict = judge(run)
+    assert isinstance(verdict, AlignmentVerdict)
+    assert verdict.converged
+    assert (verdict.bound, verdict.used_fixes) == (None, 0)
+    json = verdict.to_json()
+    assert json["bound_arcmin"] is json["nis_per_channel"] is json["nis_interval"] is None
+    assert verdict.headline()["Mean NIS / channels"] == "no fix was used"
+
+
+def test_it_reads_in_arcminutes() -> None:
+    text = str(judge(recorded(np.full(601, 20 * ARCMIN))))
+    assert text.startswith("Converged: heading RMSE 20.00 arcmin")
+    assert "Cramer-Rao bound: 5.00 arcmin (RMS over many runs; one run may lie below)" in text

@@ -1,0 +1,167 @@
+"""The verdict on navigation, and the page that shows it, on made-up runs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim_scenarios.attitude import skew
+from sim_scenarios.metrics import judge
+from sim_scenarios.metrics.navigation import NavigationVerdict
+from sim_scenarios.report import report_comparison, report_run
+from sim_scenarios.units import ARCMIN, DEGREE
+
+TIME = np.arange(1001.0)
+WINDOW = (100.0, 1000.0)
+CHANNELS = 24
+STATUS = {"flag_values": [1, 2, 3, 4, 5], "flag_meanings": "waiting aligning converged coasting faulted"}
+SIGMA = {"misalignment": 0.4 * ARCMIN, "velocity": 0.05, "position": 3.0}
+
+
+def consistent(seed: int = 1, status: int = 3) -> xr.Dataset:
+    """Errors drawn from the covariance that the filter claims, worse by far before the window; 5 to 12
+    satellites that come and go, two channels each.
+    """
+    rng = np.random.default_rng(seed)
+    settled = np.where(WINDOW[0] > TIME, 20.0, 1.0)[:, None]
+    time_and_axis, fix_and_channel = ("time", "axis3"), ("fix", f"axis{CHANNELS}")
+    errors = {name: sigma * rng.standard_normal((len(TIME), 3)) for name, sigma in SIGMA.items()}
+    satellites = rng.integers(5, 13, len(TIME) - 1)
+    measured = np.tile(np.arange(CHANNELS // 2) < satellites[:, None], 2)
+    innovation = np.where(measured, rng.standard_normal(measured.shape), 0.0)
+    covariance = np.zeros((len(TIME), 12, 12))
+    covariance[:, range(6), range(6)] = np.repeat([SIGMA["misalignment"], SIGMA["velocity"]], 3) ** 2
+    data = {
+        "attitude_error": (time_and_axis, settled * errors["misalignment"]),
+        "heading_error": ("time", (settled * errors["misalignment"])[:, 2]),
+        "velocity_error": (time_and_axis, settled * errors["velocity"]),
+        "position_error": (time_and_axis, settled * errors["position"]),
+        **{
+            f"{name}_sigma": (time_and_axis, settled * np.full((len(TIME), 3), sigma))
+            for name, sigma in SIGMA.items()
+        },
+        "heading_sigma": ("time", settled[:, 0] * SIGMA["misalignment"]),
+        "covariance": (("time", "row12", "column12"), covariance),
+        "status": ("time", np.full(len(TIME), status), STATUS),
+        "innovation": (fix_and_channel, innovation),
+        "innovation_sigma": (fix_and_channel, measured.astype(float)),
+        "measurement_weight": (fix_and_channel, measured.astype(float)),
+        "nis": ("fix", np.sum(innovation**2, axis=1)),
+        "fix_used": ("fix", np.ones(len(TIME) - 1, dtype=bool)),
+        "rejected_fixes": ("fix", np.zeros(len(TIME) - 1, dtype=int)),
+    }
+    return xr.Dataset(
+        data,
+        coords={"time": TIME, "fix_time": ("fix", TIME[1:])},
+        attrs={
+            "scenario": "made_up",
+            "description": "",
+            "filter_fmu": "NavigationFilter",
+            "evaluation.start": WINDOW[0],
+            "evaluation.stop": WINDOW[1],
+            "evaluation.heading_limit": 0.5 * DEGREE,
+            "evaluation.horizontal_limit": 10.0,
+            "filters": json.dumps({}),
+        },
+    )
+
+
+def verdict_on(run: xr.Dataset) -> NavigationVerdict:
+    verdict = judge(run)
+    assert isinstance(verdict, NavigationVerdict)
+    return verdict
+
+
+def test_errors_are_root_mean_squares_over_the_window() -> None:
+    """To 5 sigma of a root mean square of 901 draws."""
+    verdict = verdict_on(consistent())
+    tolerance = 5 / np.sqrt(2 * 901)
+    assert verdict.horizontal == pytest.approx(np.sqrt(2) * SIGMA["position"], rel=tolerance)
+    assert verdict.vertical == pytest.approx(SIGMA["position"], rel=tolerance)
+    assert verdict.velocity == pytest.approx(np.sqrt(3) * SIGMA["velocity"], rel=tolerance)
+    assert verdict.tilt == pytest.approx(np.sqrt(2) * SIGMA["misalignment"], rel=tolerance)
+    assert verdict.yaw == pytest.approx(SIGMA["misalignment"], rel=tolerance)
+    assert verdict.horizontal_sigma == pytest.approx(np.sqrt(2) * SIGMA["position"])
+
+
+def test_consistency() -> None:
+    run = consistent()
+    verdict = verdict_on(run)
+    assert verdict.nis.consistent
+    assert verdict.nees == pytest.approx(1, abs=5 * np.sqrt(2 / (6 * 901)))
+    trusting = verdict_on(run.assign(covariance=run["covariance"] / 4, nis=4 * run["nis"]))
+    assert verdict.nees is not None
+    assert trusting.nees == pytest.approx(4 * verdict.nees)
+    assert not trusting.nis.consistent
+
+
+def test_nees_takes_correlations_into_account() -> None:
+    """Attitude and velocity errors mixed by an invertible matrix, the covariance with them."""
+    run = consistent()
+    mix = np.eye(6)
+    mix[3:, :3] = 50 * skew(np.array([1.0, 2.0, 3.0])) + 30 * np.eye(3)
+    error = np.concatenate((run["attitude_error"], run["velocity_error"]), axis=1) @ mix.T
+    covariance = run["covariance"].values.copy()
+    covariance[:, :6, :6] = mix @ covariance[:, :6, :6] @ mix.T
+    mixed = run.assign(
+        attitude_error=(("time", "axis3"), error[:, :3]),
+        velocity_error=(("time", "axis3"), error[:, 3:]),
+        covariance=(("time", "row12", "column12"), covariance),
+    )
+    assert verdict_on(mixed).nees == pytest.approx(verdict_on(run).nees)
+
+
+def test_headings_wrap() -> None:
+    run = consistent()
+    turned = run.assign(heading_error=run["heading_error"] - 2 * np.pi)
+    assert verdict_on(turned).yaw == pytest.approx(verdict_on(run).yaw)
+
+
+def test_a_filter_worse_than_a_fix_has_not_navigated() -> None:
+    run = consistent()
+    assert judge(run).ok
+    lost = run.assign(position_error=10 * run["position_error"])
+    assert not judge(lost).ok
+    assert "beyond the limit of 10.00 m" in judge(lost).sentence()
+
+
+@pytest.mark.parametrize(("status", "word"), [(1, "waiting"), (4, "coasting"), (5, "faulted")])
+def test_a_filter_that_cannot_be_relied_on_has_not_navigated(status: int, word: str) -> None:
+    verdict = judge(consistent(status=status))
+    assert not verdict.ok
+    assert f"the filter is {word} at the end" in verdict.sentence()
+
+
+def test_what_the_filter_does_not_put_out_is_no_figure() -> None:
+    verdict = verdict_on(consistent().drop_vars(["covariance", "position_sigma"]))
+    assert verdict.nees is verdict.horizontal_sigma is None
+    assert "Mean NEES / states" not in verdict.headline()
+    assert json.loads(json.dumps(verdict.to_json()))["nees_per_state"] is None
+
+
+def test_the_page_of_a_run(tmp_path: Path) -> None:
+    run = consistent()
+    text = report_run(run, tmp_path).read_text(encoding="utf-8")
+    assert judge(run).sentence() in text
+    drawn = {path.stem for path in tmp_path.glob("*.png")}
+    assert drawn == {"navigation", "states", "innovations", "nis", "corrections"}
+
+
+def test_pictures_of_what_is_absent_are_left_out(tmp_path: Path) -> None:
+    report_run(consistent().isel(fix=slice(0, 0)), tmp_path)
+    assert {path.stem for path in tmp_path.glob("*.png")} == {"navigation", "states"}
+
+
+def test_the_page_of_a_comparison(tmp_path: Path) -> None:
+    filters = xr.DataArray(["loose", "tight"], dims="filter", name="filter")
+    runs = xr.concat([consistent(1), consistent(2)], dim=filters, combine_attrs="override")
+    text = report_comparison(runs, tmp_path).read_text(encoding="utf-8")
+    assert "2 of 2 filters navigated" in text
+    for label, seed in (("loose", 1), ("tight", 2)):
+        row = judge(consistent(seed)).row()
+        assert all(f"<td>{cell}</td>" in text for cell in (label, *row.values()))
+    assert (tmp_path / "comparison.png").is_file()
