@@ -107,6 +107,7 @@ class InitialError(Table):
     velocity: tuple[Velocity, Velocity, Velocity] = (0.0, 0.0, 0.0)
     velocity_sigma: tuple[Velocity, Velocity, Velocity] = (0.0, 0.0, 0.0)
     position: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
+    position_sigma: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
 
 
 class Evaluation(Table):

@@ -216,13 +216,13 @@ def initial_values(scenario: Scenario, plant: Fmu, truth: Mapping[str, Number]) 
     The computed attitude is C_b^{n'} = C_n^{n'}(phi) C_b^n.
     """
     error = scenario.initial_error
-    draws = np.random.default_rng([DRAWS, int(_value(scenario, plant, "seed"))]).standard_normal((2, 3))
+    draws = np.random.default_rng([DRAWS, int(_value(scenario, plant, "seed"))]).standard_normal((3, 3))
     phi = np.array(error.misalignment) + draws[0] * error.misalignment_sigma
     C_bn = attitude.dcm(truth["truth.roll"], truth["truth.pitch"], truth["truth.heading"])
     roll, pitch, heading = attitude.euler_angles(attitude.misalignment(phi) @ C_bn)
     velocity = [truth[f"truth.velocity[{i}]"] for i in (1, 2, 3)]
     velocity = np.array(velocity) + error.velocity + draws[1] * error.velocity_sigma
-    east, north, up = error.position
+    east, north, up = np.array(error.position) + draws[2] * error.position_sigma
     latitude, height = float(truth["truth.latitude"]), float(truth["truth.height"])
     meridian, prime_vertical = radii(latitude)
     return {

@@ -125,6 +125,9 @@ def test_initial_errors_of_velocity_and_position_and_draws(fmus: Fmus) -> None:
     drawn = start(misalignment_sigma=["1 deg", "1 deg", "1 deg"])
     assert drawn == start(misalignment_sigma=["1 deg", "1 deg", "1 deg"])
     assert 0 < abs(drawn["initial.heading"] - 1.0) < 5 * DEGREE
+    placed = start(position=[0, 0, 30], position_sigma=[0, 0, 1])
+    assert 0 < abs(placed["initial.height"] - 40) < 5
+    assert placed["initial.latitude"] == pytest.approx(0.5, abs=1e-15)
 
 
 def test_a_bad_parameter_is_refused_in_the_words_of_the_fmu(fmus: Fmus) -> None:
