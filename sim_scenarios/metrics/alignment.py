@@ -14,7 +14,7 @@ from sim_scenarios.metrics.verdict import UNFIT, Verdict, of_fixes, status_at_en
 from sim_scenarios.units import ARCMIN
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class AlignmentVerdict(Verdict):
     """How well a filter aligned; SI units, None where a figure does not exist.
 

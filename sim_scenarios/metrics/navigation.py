@@ -18,7 +18,7 @@ from sim_scenarios.metrics.verdict import UNFIT, Verdict, of_fixes, status_at_en
 from sim_scenarios.units import ARCMIN
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class NavigationVerdict(Verdict):
     """How well a filter navigated: root mean square errors of a run over the window; SI units.
 

@@ -15,7 +15,7 @@ UNFIT: Final = ("waiting", "coasting", "faulted")
 """Status of a filter whose estimate is not to be relied on, however small its error."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Verdict(ABC):
     """How well a filter did; SI units.
 
@@ -70,8 +70,8 @@ class Verdict(ABC):
             "rejected_fixes": self.rejected_fixes,
         }
 
-    def __str__(self) -> str:
-        """The sentence, and a headline figure a line."""
+    def __repr__(self) -> str:
+        """The sentence, and a headline figure a line: people read no radians."""
         return "\n".join([self.sentence(), *(f"  {name}: {text}" for name, text in self.headline().items())])
 
     def _fix_figures(self) -> dict[str, str]:

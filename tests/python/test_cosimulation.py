@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,25 @@ from sim_scenarios.units import ARCMIN, DEGREE
 
 EVERY_STEP = {"duration": 20.0, "evaluation.start": 10.0, "recording_period": 0.01}
 SHORT = {"duration": 60.0, "evaluation.start": 30.0}
+
+
+@pytest.fixture
+def handed_over(fmus: Fmus) -> Fmu:
+    """The filter with an initial value that is an input, to be connected or set."""
+    fmu = Fmu(fmus.filter.path)
+    fmu.variables["initial.roll"] = replace(fmu.variables["initial.roll"], causality="input")
+    return fmu
+
+
+def test_inputs_that_are_no_signals_are_set_like_parameters(handed_over: Fmu, fmus: Fmus) -> None:
+    assert "initial.roll" in handed_over.inputs()
+    assert connected(fmus.plant.outputs(), handed_over) == fmus.filter.inputs()
+    assert handed_over.assignments("initial.roll", "1 deg") == {"initial.roll": pytest.approx(DEGREE)}
+
+
+def test_an_initial_value_that_the_user_sets_is_kept(fmus: Fmus) -> None:
+    run = sim_scenarios.run("swaying_ship", set={**SHORT, "initial.heading": "40 deg"}, fmus=fmus)
+    assert run["nav.heading"].values[0] == pytest.approx(40 * DEGREE)
 
 
 @pytest.fixture(scope="module")

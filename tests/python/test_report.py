@@ -12,7 +12,8 @@ import xarray as xr
 
 import sim_scenarios
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.metrics import alignment
+from sim_scenarios.metrics import alignment, judge
+from sim_scenarios.metrics.navigation import NavigationVerdict
 from sim_scenarios.report import (
     RUN,
     bound_table,
@@ -104,3 +105,16 @@ def test_bound(fmus: Fmus, tmp_path: Path) -> None:
     table = bound_table(data)
     assert table[1] == ["0", "600.00"]
     assert table[-1][0] == "600"
+
+
+def test_a_filter_in_the_place_of_the_navigation_filter_is_judged_as_one(fmus: Fmus, tmp_path: Path) -> None:
+    """The alignment filter takes its position from GNSS, so that it is as good as a fix and no better."""
+    stand_in = Fmus({**fmus, "NavigationFilter": fmus.filter})
+    settings = {"filter_fmu": "NavigationFilter", "duration": 120.0, "evaluation.start": 60.0}
+    run = sim_scenarios.run("swaying_ship", set=settings, fmus=stand_in)
+    verdict = judge(run)
+    assert isinstance(verdict, NavigationVerdict)
+    assert verdict.limit == pytest.approx(5 * 2**0.5)
+    assert verdict.horizontal == pytest.approx(verdict.limit, rel=0.5)
+    assert verdict.sentence() in report_run(run, tmp_path).read_text(encoding="utf-8")
+    assert (tmp_path / "navigation.png").is_file()
