@@ -15,6 +15,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from sim_scenarios.campaigns import campaign
     from sim_scenarios.errors import InputError, SimulationError
     from sim_scenarios.metrics import Verdict, judge
     from sim_scenarios.recorded_imu import Start, ZeroVelocity, replay
@@ -28,6 +29,7 @@ __all__ = [
     "Verdict",
     "ZeroVelocity",
     "bound",
+    "campaign",
     "compare",
     "judge",
     "load",
@@ -37,6 +39,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "campaigns": ("campaign",),
     "errors": ("InputError", "SimulationError"),
     "metrics": ("Verdict", "judge"),
     "recorded_imu": ("Start", "ZeroVelocity", "replay"),

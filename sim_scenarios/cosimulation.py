@@ -36,11 +36,23 @@ class Order(str, Enum):
     jacobi = "jacobi"
 
 
-class Table:
-    """Values of a port over time, written row by row into arrays made beforehand."""
+class Master(str, Enum):
+    """Who steps plant and filters."""
 
-    def __init__(self, port: Port, rows: int) -> None:
+    auto = "auto"  # the container where it can
+    container = "container"
+    python = "python"
+
+
+class Table:
+    """Values of a port over time, written row by row into arrays made beforehand.
+
+    The names of its columns are those of the variables without a prefix.
+    """
+
+    def __init__(self, port: Port, rows: int, prefix: str = "") -> None:
         self.port = port
+        self.prefix = prefix
         self.rows = 0
         self.arrays = {base: np.empty((rows, len(b)), b.dtype) for base, b in port.signals.buffers.items()}
         self._addresses = [array.ctypes.data for array in self.arrays.values()]
@@ -55,7 +67,10 @@ class Table:
     def columns(self) -> dict[str, NDArray[Any]]:
         """Recorded values of each variable, shape (rows,)."""
         places = self.port.signals.places
-        return {name: self.arrays[base][: self.rows, i].copy() for name, (base, i) in places.items()}
+        return {
+            name.removeprefix(self.prefix): self.arrays[base][: self.rows, i].copy()
+            for name, (base, i) in places.items()
+        }
 
 
 class Source(Protocol):

@@ -184,6 +184,7 @@ def load_scenario(
     *,
     seed: int | None = None,
     settings: Mapping[str, object] | None = None,
+    compare: Mapping[str, Mapping[str, object]] | None = None,
 ) -> Scenario:
     """Scenario of a shipped name or a path, with settings that override the file.
 
@@ -198,13 +199,15 @@ def load_scenario(
     settings : mapping, optional
         Values by name: an FMU parameter (`imu.gyro.bias`), prefixed with `plant.` or `filter.` where both
         FMUs have it, or an entry of the scenario (`duration`, `initial_error.misalignment`).
+    compare : mapping, optional
+        Filters to compare in place of the scenario's: parameters by label.
 
     Returns
     -------
     Scenario
     """
     path = scenario_path(name)
-    table = {"name": path.stem, **_read(path)}
+    table = {"name": path.stem, **_read(path), **({} if compare is None else {"compare": compare})}
     overriding = {**(settings or {}), **({} if seed is None else {"plant.seed": seed})}
     if "filter_fmu" in overriding:  # decides what the other entries may be
         table["filter_fmu"] = overriding.pop("filter_fmu")

@@ -130,10 +130,14 @@ def bound(
     Parameters as for `run`.
     """
     fmus = fmus or Fmus()
-    loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
-    times = _times(loaded.duration, loaded.recording_period)
+    return bound_of(load_scenario(scenario, fmus, seed=seed, settings=set), fmus)
+
+
+def bound_of(scenario: Scenario, fmus: Fmus) -> xr.Dataset:
+    """Posterior Cramer-Rao bound along the true trajectory of a loaded scenario."""
+    times = _times(scenario.duration, scenario.recording_period)
     with ExitStack() as stack:
-        plant = _plant(loaded, fmus, stack)
+        plant = start_plant(scenario, fmus, stack)
         table = Table(Port(plant, TRUTH), len(times))
         source = FmuSource(plant, TRUTH)
         table.append()
@@ -141,8 +145,8 @@ def bound(
             source.advance(time, end - time)
             table.append()
         columns = table.columns()
-    data = xr.Dataset(coords={"time": ("time", times, {"units": "s"})}, attrs=_attributes(loaded, fmus))
-    return _with_bound(data, _trajectory(times, columns), loaded, fmus)
+    data = xr.Dataset(coords={"time": ("time", times, {"units": "s"})}, attrs=attributes(scenario, fmus))
+    return _with_bound(data, _trajectory(times, columns), scenario, fmus)
 
 
 def run_filters(
@@ -153,14 +157,9 @@ def run_filters(
     progress: Progress = lambda _: None,
 ) -> xr.Dataset:
     """Run filters, given by label and parameters, on the signals of a scenario."""
-    with ExitStack() as stack:
-        source, sinks = connect(scenario, fmus, filters, stack)
-        recorded = record(scenario, fmus, source, sinks, order, progress)
-        messages = [
-            m for instance in (source.instance, *(s.instance for s in sinks)) for m in instance.messages
-        ]
+    recorded, messages = simulated(scenario, fmus, filters, order, progress)
     data = recording.dataset(recorded, list(filters), fmus[scenario.filter_fmu], fmus.plant)
-    data.attrs = _attributes(scenario, fmus, messages)
+    data.attrs = attributes(scenario, fmus, messages)
     assert recorded.truth is not None
     trajectory = _trajectory(recorded.time, recorded.truth.columns())
     try:
@@ -170,18 +169,33 @@ def run_filters(
         return data
 
 
+def simulated(
+    scenario: Scenario,
+    fmus: Fmus,
+    filters: Mapping[str, Mapping[str, Number]],
+    order: Order = Order.gauss_seidel,
+    progress: Progress = lambda _: None,
+) -> tuple[Recorded, list[Message]]:
+    """What plant and filters recorded and said in a scenario."""
+    with ExitStack() as stack:
+        source, sinks = connect(scenario, fmus, filters, stack)
+        recorded = record(scenario, fmus, source, sinks, order, progress)
+        instances = (source.instance, *(sink.instance for sink in sinks))
+        return recorded, [message for instance in instances for message in instance.messages]
+
+
 def connect(
     scenario: Scenario, fmus: Fmus, filters: Mapping[str, Mapping[str, Number]], stack: ExitStack
 ) -> tuple[FmuSource, list[Sink]]:
     """Plant and filters, initialised and connected; the stack closes them."""
     filter_fmu = fmus[scenario.filter_fmu]
-    plant = _plant(scenario, fmus, stack)
+    plant = start_plant(scenario, fmus, stack)
     source = FmuSource(plant, connected(fmus.plant.outputs(), filter_fmu))
     start = initial_values(scenario, fmus.plant, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
     sinks = []
     for label, values in filters.items():
-        handed_over = {name: value for name, value in start.items() if filter_fmu.has_parameter(name)}
-        instance = stack.enter_context(closing(Instance(filter_fmu, label, {**handed_over, **values})))
+        given = filter_values(filter_fmu, start, values)
+        instance = stack.enter_context(closing(Instance(filter_fmu, label, given)))
         instance.begin_initialisation(0.0, scenario.duration)
         sinks.append(Sink(instance, source))
         sinks[-1].receive()
@@ -210,13 +224,21 @@ def record(
     )
 
 
+def filter_values(
+    filter_fmu: Fmu, start: Mapping[str, Number], values: Mapping[str, Number]
+) -> dict[str, Number]:
+    """All that a filter is given: what it starts from, as far as it takes it, and its parameters."""
+    return {**{name: value for name, value in start.items() if filter_fmu.has_parameter(name)}, **values}
+
+
 def initial_values(scenario: Scenario, plant: Fmu, truth: Mapping[str, Number]) -> dict[str, float]:
     """What the coarse alignment hands to the filter: the truth with the initial error of the scenario.
 
     The computed attitude is C_b^{n'} = C_n^{n'}(phi) C_b^n.
     """
     error = scenario.initial_error
-    draws = np.random.default_rng([DRAWS, int(_value(scenario, plant, "seed"))]).standard_normal((3, 3))
+    seed = int(parameter(scenario, plant, "seed"))
+    draws = np.random.default_rng([DRAWS, seed]).standard_normal((3, 3))
     phi = np.array(error.misalignment) + draws[0] * error.misalignment_sigma
     C_bn = attitude.dcm(truth["truth.roll"], truth["truth.pitch"], truth["truth.heading"])
     roll, pitch, heading = attitude.euler_angles(attitude.misalignment(phi) @ C_bn)
@@ -244,7 +266,7 @@ def knowledge(scenario: Scenario, plant: Fmu, filter_fmu: Fmu) -> Knowledge:
     """
 
     def value(name: str) -> float:
-        return float(_value(scenario, plant, name))
+        return float(parameter(scenario, plant, name))
 
     def vector(name: str) -> tuple[float, float, float]:
         return value(f"{name}[1]"), value(f"{name}[2]"), value(f"{name}[3]")
@@ -271,12 +293,13 @@ def left_out_of_the_bound(scenario: Scenario, plant: Fmu) -> list[str]:
     return [name for name in plant.arrays if name in in_effect]
 
 
-def _value(scenario: Scenario, plant: Fmu, name: str) -> Number:
+def parameter(scenario: Scenario, plant: Fmu, name: str) -> Number:
     """Value of a parameter of the plant: the scenario's, else the FMU's own."""
     return scenario.plant.get(name, plant.start(name))
 
 
-def _plant(scenario: Scenario, fmus: Fmus, stack: ExitStack) -> Instance:
+def start_plant(scenario: Scenario, fmus: Fmus, stack: ExitStack) -> Instance:
+    """The plant of a scenario, initialised; the stack closes it."""
     plant = stack.enter_context(closing(Instance(fmus.plant, "plant", scenario.plant)))
     plant.begin_initialisation(0.0, scenario.duration)
     plant.finish_initialisation()
@@ -335,7 +358,7 @@ def _with_bound(data: xr.Dataset, trajectory: Trajectory, scenario: Scenario, fm
     return data
 
 
-def _attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ()) -> dict[str, str | float]:
+def attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ()) -> dict[str, str | float]:
     """What made a data set, and how to judge it."""
     window = scenario.evaluation
     plant, filter_fmu = fmus.plant, fmus[scenario.filter_fmu]
@@ -343,7 +366,7 @@ def _attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ()
         "scenario": scenario.name,
         "description": scenario.description,
         "notes": scenario.notes,
-        "seed": int(_value(scenario, plant, "seed")),
+        "seed": int(parameter(scenario, plant, "seed")),
         "duration": scenario.duration,
         "communication_step": scenario.communication_step,
         "evaluation.start": window.start,
@@ -369,7 +392,7 @@ def _horizontal_limit(scenario: Scenario, plant: Fmu) -> float:
     """Horizontal RMSE up to which a filter navigates [m]: of a single fix, or as the scenario has it."""
     if scenario.evaluation.horizontal_limit is not None:
         return scenario.evaluation.horizontal_limit
-    return math.hypot(*(float(_value(scenario, plant, f"gnss.position_sigma[{i}]")) for i in (1, 2)))
+    return math.hypot(*(float(parameter(scenario, plant, f"gnss.position_sigma[{i}]")) for i in (1, 2)))
 
 
 def _version() -> str:

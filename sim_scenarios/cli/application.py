@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from sim_scenarios.cli.bound import show_bound
+from sim_scenarios.cli.campaign import run_campaign
 from sim_scenarios.cli.compare import compare_filters
 from sim_scenarios.cli.listing import list_scenarios
 from sim_scenarios.cli.replay import replay_recording
@@ -31,6 +32,7 @@ def truenorth() -> None:
         truenorth list                           what there is to run
         truenorth run swaying_ship               one run, one verdict, one report
         truenorth compare swaying_ship_printed   several filters, the same signals
+        truenorth campaign zigzag -n 100         many runs, and what they say together
         truenorth bound zigzag                   how well any filter could do
         truenorth replay imu.csv --heading 100   a recorded IMU through the filter
 
@@ -42,5 +44,6 @@ def truenorth() -> None:
 app.command("list")(list_scenarios)
 app.command("run")(run_scenario)
 app.command("compare")(compare_filters)
+app.command("campaign")(run_campaign)
 app.command("bound")(show_bound)
 app.command("replay")(replay_recording)

@@ -1,0 +1,112 @@
+"""Monte-Carlo campaigns: many seeds, filters and parameters, on one machine or on a cluster, resumable.
+
+::
+
+    if __name__ == "__main__":       # the workers are processes that import this file
+        results = sim_scenarios.campaign("swaying_ship", "results", runs=100)
+        print(results["heading_rmse"].sel(filter="UKF").values)
+
+The results are an xarray Dataset (see `store`); `statistics.summary` condenses it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from sim_scenarios.campaigns import execution, store
+from sim_scenarios.campaigns.execution import Effort, Report
+from sim_scenarios.campaigns.plan import Case, Plan, cases, fingerprint, load_plan
+from sim_scenarios.campaigns.runs import Bench
+from sim_scenarios.cosimulation import Master
+from sim_scenarios.fmus import Fmus
+
+__all__ = ["Campaign", "Master", "campaign", "load_plan"]
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A campaign that is checked and ready to run in a folder."""
+
+    plan: Plan
+    cases: Sequence[Case]
+    folder: Path
+    master: Master
+    versions: Mapping[str, str]
+
+    @classmethod
+    def of(cls, plan: Plan, folder: Path, master: Master = Master.auto, fmus: Fmus | None = None) -> Campaign:
+        """Campaign of a plan; everything that can be refused before the first run is."""
+        fmus = fmus or Fmus()
+        made = cases(plan, fmus)
+        bench = Bench(plan.period, master, fmus)
+        for case in made:
+            bench.uses_container(case.scenario)
+        return cls(plan, made, folder, master, execution.fmu_versions(fmus, made))
+
+    def run(
+        self, *, workers: int | None = None, scheduler: str | None = None, report: Report = lambda _: None
+    ) -> Effort:
+        """Run all that is missing; a cluster is started, or asked, only if something is."""
+        identity = fingerprint(self.plan, self.cases, self.versions)
+        there = store.is_there(self.folder, identity)
+        if there and not any(store.unfinished(self.path)):
+            return Effort(0, 0, 0.0, 0.0)
+        with execution.cluster(workers, scheduler) as client:
+            if not there:
+                bounds = execution.bounds(client, self.cases)
+                store.create(self.folder, self.plan, self.cases, identity, bounds)
+            return execution.execute(
+                client, self.path, self.plan, self.cases, self.master, dict(self.versions), report
+            )
+
+    @property
+    def path(self) -> Path:
+        """Where the results are."""
+        return self.folder / store.NAME
+
+
+def campaign(
+    name: str | Path,
+    folder: str | Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    master: Master = Master.auto,
+    report: Report = lambda _: None,
+    fmus: Fmus | None = None,
+    **given: Any,
+) -> xr.Dataset:
+    """Run a campaign, or what is missing of it, and open its results.
+
+    Parameters
+    ----------
+    name : str or Path
+        Campaign file, shipped campaign, or scenario.
+    folder : str or Path
+        Where the results are kept; seen under the same path by the workers.
+    workers : int, optional
+        Worker processes of the embedded cluster, by default one for each core.
+    scheduler : str, optional
+        Address of a Dask scheduler to use instead.
+    master : Master
+        Who steps plant and filters; the results are the same.
+    report : callable
+        Told of the progress after every batch.
+    fmus : Fmus, optional
+        Those that are loaded already.
+    **given : object
+        Entries in place of the file's: `runs`, `seed`, `filters`, `set`, `grid` ...
+
+    Returns
+    -------
+    xarray.Dataset
+        See `store`; its arrays are read from disk as they are needed.
+    """
+    made = Campaign.of(load_plan(name, **given), Path(folder), master, fmus)
+    made.run(workers=workers, scheduler=scheduler, report=report)
+    return store.open_results(folder)

@@ -1,0 +1,127 @@
+"""The report of a campaign: one page with curves that can be explored, and everything that it needs inside.
+
+plotly.js (MIT licence) travels in the page, compressed, and the figures as JSON: the page loads nothing.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+import re
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import jinja2
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from plotly.offline import get_plotlyjs
+
+from sim_scenarios.campaigns import pictures, store, table
+from sim_scenarios.campaigns.quantities import ERRORS
+from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
+from sim_scenarios.units import ARCMIN
+
+Array = NDArray[np.float64]
+
+MOST_POINTS: Final = 400
+"""Points of a curve on the page; the data set has them all."""
+
+
+def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[str, str]:
+    """Write page, pictures and tables into a folder; their paths."""
+    for case in cases:
+        pictures.draw(case, folder / _file_name(case.label))
+    by_scenario = table.markdown(table.by_scenario(cases))
+    (folder / "table.md").write_text(by_scenario, encoding="utf-8")
+    page = folder / "report.html"
+    page.write_text(_html(data, cases), encoding="utf-8")
+    return {"report": str(page), "table": str(folder / "table.md"), "data": str(folder / store.NAME)}
+
+
+def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
+    about = json.loads(data.attrs["cases"])
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("sim_scenarios", "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["from_json"] = json.loads
+    return environment.get_template("campaign.html").render(
+        title=data.attrs["campaign"],
+        description=data.attrs["description"],
+        runs=data.attrs["runs"],
+        seed=data.attrs["seed"],
+        cases=[(case, table.figures(case), table.errors(case)) for case in cases],
+        by_scenario=table.by_scenario(cases),
+        about={label: {**case, "command": _command(case, data)} for label, case in about.items()},
+        content=_script_safe(json.dumps(_content(data, cases), allow_nan=False)),
+        plotly=base64.b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode("ascii"),
+    )
+
+
+def _command(case: dict[str, Any], data: xr.Dataset) -> str:
+    """Command that shows the first run of a case alone."""
+    settings = [f"{name}={_text(value)}" for name, value in case["settings"].items()]
+    words = [part for setting in settings for part in ("--set", setting)]
+    return shlex.join(["truenorth", "compare", case["scenario"], "--seed", str(data.attrs["seed"]), *words])
+
+
+def _text(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def _content(data: xr.Dataset, cases: Sequence[CaseSummary]) -> dict[str, Any]:
+    """What the script of the page draws from."""
+    return {
+        "filters": [str(label) for label in data["filter"].values],
+        "quantities": {
+            name: {"title": q.title, "unit": table.UNITS[q.unit][0]} for name, q in ERRORS.items()
+        },
+        "cases": [_case(case) for case in cases],
+    }
+
+
+def _case(case: CaseSummary) -> dict[str, Any]:
+    thin = slice(None, None, max(1, -(-len(case.time) // MOST_POINTS)))
+    return {
+        "label": case.label,
+        "time": _numbers(case.time[thin]),
+        "bound": _numbers(case.bound[thin] / ARCMIN),
+        "bound_rms": table.json_number(case.bound_rms / ARCMIN),
+        "filters": {label: _filter(one, thin) for label, one in case.filters.items()},
+    }
+
+
+def _filter(one: Summary, thin: slice) -> dict[str, Any]:
+    return {
+        "errors": {
+            name: _course(one.errors[name], thin, table.UNITS[q.unit][1]) for name, q in ERRORS.items()
+        },
+        "nis": _course(one.nis_course, thin),
+        "nees": _course(one.nees_course, thin),
+        "each": _numbers(np.sort(one.each) / ARCMIN),
+    }
+
+
+def _course(course: Course, thin: slice, unit: float = 1.0) -> dict[str, list[float | None]]:
+    return {name: _numbers(values[thin] / unit) for name, values in vars(course).items()}
+
+
+def _numbers(values: Array) -> list[float | None]:
+    """Values with five digits, None for those that do not exist."""
+    return [float(f"{value:.5g}") if np.isfinite(value) else None for value in values.tolist()]
+
+
+def _script_safe(text: str) -> str:
+    """JSON that cannot end the script element that it stands in."""
+    return text.replace("<", "\\u003c")
+
+
+def _file_name(label: str) -> str:
+    return re.sub(r"[^\w.=-]+", "_", label)

@@ -1,0 +1,70 @@
+"""Pictures of a campaign for papers: one figure a case, as PNG and SVG."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from sim_scenarios.campaigns.statistics import CaseSummary, Course
+from sim_scenarios.plots import style
+from sim_scenarios.units import ARCMIN
+
+
+def draw(case: CaseSummary, path: Path) -> list[Path]:
+    """Draw a case into files of a path without its ending; the same case gives the same files."""
+    with (
+        mpl.rc_context({"svg.hashsalt": case.label}),
+        style.figure(rows=2, columns=2, height=7.5) as (figure, axes),
+    ):
+        figure.suptitle(case.label, x=0.01, ha="left")
+        error, runs, nees, nis = axes
+        _errors(case, error)
+        _runs(case, runs)
+        _consistency(case, {k: f.nees_course for k, f in case.filters.items()}, nees, "heading NEES")
+        _consistency(case, {k: f.nis_course for k, f in case.filters.items()}, nis, "NIS / channels")
+        for panel in (error, nees, nis):
+            panel.set_yscale("log")
+            panel.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            panel.yaxis.set_major_formatter("{x:g}")
+            panel.yaxis.set_minor_formatter(NullFormatter())
+        figure.legend(loc="outside lower center", ncols=3)
+        files = [path.with_name(f"{path.name}.{kind}") for kind in ("png", "svg")]
+        for file in files:
+            about = {"Date": None} if file.suffix == ".svg" else None
+            figure.savefig(file, dpi=150, metadata=about)
+    return files
+
+
+def _errors(case: CaseSummary, axes: Axes) -> None:
+    for label, colour, dashes in style.lines(case.filters):
+        course = case.filters[label].errors["heading"]
+        axes.plot(case.time, course.middle / ARCMIN, dashes, color=colour, lw=1.4, label=label)
+    if np.isfinite(case.bound).any():
+        axes.plot(case.time, case.bound / ARCMIN, color=style.INK, lw=1.0, label="Cramer-Rao bound")
+    axes.set_title("Heading error: RMS over runs")
+    axes.set_ylabel("arcmin")
+    axes.set_xlabel("time [s]")
+
+
+def _runs(case: CaseSummary, axes: Axes) -> None:
+    for label, colour, dashes in style.lines(case.filters):
+        each = np.sort(case.filters[label].each) / ARCMIN
+        share = np.arange(1, len(each) + 1) / len(each)
+        axes.step(each, 100 * share, dashes, where="post", color=colour, lw=1.4)
+    axes.set_title("Runs with at most this heading RMSE")
+    axes.set_ylabel("%")
+    axes.set_xlabel("arcmin")
+
+
+def _consistency(case: CaseSummary, courses: dict[str, Course], axes: Axes, title: str) -> None:
+    for label, colour, dashes in style.lines(courses):
+        course = courses[label]
+        axes.plot(case.time, course.middle, dashes, color=colour, lw=1.0)
+    for course in list(courses.values())[:1]:
+        axes.fill_between(case.time, course.lower, course.upper, color=style.INK, alpha=0.14, lw=0)
+    axes.set_title(f"Mean {title}; band: 95 % of a consistent filter")
+    axes.set_xlabel("time [s]")

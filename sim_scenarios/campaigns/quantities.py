@@ -1,0 +1,142 @@
+"""What a campaign keeps of every run: errors over time, and figures over the evaluation window.
+
+The figures are those of `truenorth run` and `compare` to the last bit: they are taken at the recording period
+of the scenario, before the errors over time are thinned out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from sim_scenarios.attitude import wrap
+from sim_scenarios.metrics import judge
+from sim_scenarios.metrics.statistics import holds_since, is_measured, rms, within
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """An error, whose size over time and whose RMSE over the window are kept."""
+
+    title: str
+    unit: str
+    description: str
+
+
+ERRORS: Final[Mapping[str, Quantity]] = {
+    "heading": Quantity("Heading", "rad", "Error of the heading, estimated minus true"),
+    "tilt": Quantity("Tilt", "rad", "Misalignment about the horizontal axes, both together"),
+    "velocity": Quantity("Velocity", "m/s", "Error of the velocity, all three components together"),
+    "horizontal": Quantity("Horizontal position", "m", "Error of the horizontal position"),
+    "vertical": Quantity("Vertical position", "m", "Error of the height, estimated minus true"),
+}
+
+SERIES: Final[Mapping[str, tuple[str, str]]] = {
+    **{f"{name}_error": (q.unit, q.description) for name, q in ERRORS.items()},
+    "heading_sigma": ("rad", "Sigma of the heading that the filter claims"),
+    "nis": ("1", "Normalised innovations squared of the fixes used since the time before, summed"),
+    "nis_channels": ("1", "Channels of those fixes: the degrees of freedom of `nis`"),
+}
+"""Unit and description of what is kept over time."""
+
+FIGURES: Final[Mapping[str, tuple[str, str]]] = {
+    **{f"{name}_rmse": (q.unit, f"{q.description}: RMS over the window") for name, q in ERRORS.items()},
+    "heading_end": ("rad", "Error of the heading at the end"),
+    "heading_sigma_rms": ("rad", "Sigma of the heading that the filter claims: RMS over the window"),
+    "convergence_time": ("s", "Time from which the heading error stays within its limit"),
+    "claimed_time": ("s", "Time from which the filter reports convergence until the end"),
+    "nis_sum": ("1", "Normalised innovations squared of the fixes used in the window, summed"),
+    "nis_channels_sum": ("1", "Channels of those fixes"),
+    "used_fixes": ("1", "Fixes that corrected the estimate"),
+    "rejected_fixes": ("1", "Fixes that were refused"),
+    "success": ("1", "1 if the verdict on the run is good, 0 if not"),
+}
+"""Unit and description of what is kept of a run as a whole."""
+
+OUTPUTS: Final = (
+    *(f"nav.{name}" for name in ("roll", "pitch", "heading", "latitude", "longitude", "height", "velocity")),
+    "heading_sigma",
+    "position_sigma",
+    "status",
+    "converged",
+)
+"""Outputs of a filter that `kept` needs at every recorded instant, where it has them."""
+
+FIX_OUTPUTS: Final = ("innovation_sigma", "nis", "used_fixes", "rejected_fixes")
+"""Outputs of a filter that `kept` needs at every fix."""
+
+
+def kept(run: xr.Dataset, period: float) -> dict[str, Array]:
+    """What a campaign keeps of one filter of a run.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        Of one filter, with the attributes of `sim_scenarios.run`.
+    period : float
+        Between the times of the series [s], a multiple of the recording period.
+
+    Returns
+    -------
+    dict of str to ndarray
+        Series, shape (times,), and figures, shape ().
+    """
+    errors = {name: np.asarray(values) for name, values in _errors(run).items()}
+    stride = round(period / float(run["time"].values[1] - run["time"].values[0]))
+    series = {f"{name}_error": values[::stride] for name, values in errors.items()}
+    series["heading_sigma"] = run["heading_sigma"].values[::stride]
+    series["nis"], series["nis_channels"] = _nis(run, period, len(series["heading_sigma"]))
+    return {**series, **_figures(run, errors)}
+
+
+def _errors(run: xr.Dataset) -> dict[str, Array]:
+    """Errors over time, shape (rows,): signed where they are scalars, lengths where they are vectors."""
+    position, velocity = run["position_error"].values, run["velocity_error"].values
+    attitude = wrap(run["attitude_error"].values)
+    return {
+        "heading": wrap(run["heading_error"].values),
+        "tilt": np.hypot(attitude[:, 0], attitude[:, 1]),
+        "velocity": np.sqrt(np.sum(velocity**2, axis=1)),
+        "horizontal": np.hypot(position[:, 0], position[:, 1]),
+        "vertical": position[:, 2],
+    }
+
+
+def _nis(run: xr.Dataset, period: float, rows: int) -> tuple[Array, Array]:
+    """NIS and channels of the fixes that were used, summed up to each row."""
+    used = run["fix_used"].values
+    row = np.ceil(run["fix_time"].values[used] / period - 1e-6).astype(int)
+    row, inside = np.clip(row, 0, rows - 1), row < rows
+    nis, channels = run["nis"].values[used] * inside, is_measured(run)[used].sum(axis=1) * inside
+    summed = np.array([np.bincount(row, weights, rows) for weights in (nis, channels)], dtype=np.float64)
+    return summed[0], summed[1]
+
+
+def _figures(run: xr.Dataset, errors: Mapping[str, Array]) -> dict[str, Array]:
+    start, stop, limit = (float(run.attrs[f"evaluation.{key}"]) for key in ("start", "stop", "heading_limit"))
+    time, verdict = run["time"].values, judge(run)
+    fixes = run["fix_used"].values & (run["fix_time"].values >= start) & (run["fix_time"].values <= stop)
+    figures = {
+        **{f"{name}_rmse": rms(within(time, values, start, stop)) for name, values in errors.items()},
+        "heading_end": errors["heading"][-1],
+        "heading_sigma_rms": rms(within(time, run["heading_sigma"].values, start, stop)),
+        "convergence_time": _time(holds_since(time, np.abs(errors["heading"]) <= limit)),
+        "claimed_time": _time(holds_since(time, run["converged"].values)),
+        "nis_sum": run["nis"].values[fixes].sum(),
+        "nis_channels_sum": is_measured(run)[fixes].sum(),
+        "used_fixes": verdict.used_fixes,
+        "rejected_fixes": verdict.rejected_fixes,
+        "success": verdict.ok,
+    }
+    return {name: np.asarray(value, dtype=float) for name, value in figures.items()}
+
+
+def _time(since: float | None) -> float:
+    return float("nan") if since is None else since

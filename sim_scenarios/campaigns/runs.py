@@ -1,0 +1,164 @@
+"""The runs of a campaign, on a worker: FMUs are unpacked once, and every run depends on its seed alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from sim_scenarios import recording, simulation
+from sim_scenarios.campaigns.plan import Case
+from sim_scenarios.campaigns.quantities import FIGURES, FIX_OUTPUTS, OUTPUTS, SERIES, kept
+from sim_scenarios.campaigns.store import State
+from sim_scenarios.container import Container, obstacle
+from sim_scenarios.cosimulation import Master, Recorded
+from sim_scenarios.errors import InputError, SimulationError
+from sim_scenarios.fmus import Fmu, Fmus, Number
+from sim_scenarios.scenario import Scenario
+
+Array = NDArray[np.float64]
+Filters = Mapping[str, Mapping[str, Number]]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one run: state and kept values of each filter, by label."""
+
+    state: dict[str, State]
+    kept: dict[str, dict[str, Array]]
+
+    @property
+    def failed(self) -> bool:
+        """Whether a filter failed."""
+        return State.failed in self.state.values()
+
+
+class Bench:
+    """All that runs share.
+
+    Parameters
+    ----------
+    period : float
+        Between the times of the kept series [s].
+    master : Master
+    fmus : Fmus, optional
+        Those that are loaded already.
+    """
+
+    def __init__(self, period: float, master: Master = Master.auto, fmus: Fmus | None = None) -> None:
+        self.fmus = fmus or Fmus()
+        self._period = period
+        self._master = master
+        self._containers: dict[tuple[str, int, float], Container] = {}
+
+    def run(self, case: Case, seed: int, attributes: Mapping[str, Any]) -> Outcome:
+        """One run of a case with all its filters; a filter that fails does not touch the others."""
+        filters = case.filters()
+        scenario = case.with_seed(seed)
+        try:
+            data = self._simulated(scenario, filters, self.uses_container(scenario))
+        except SimulationError:
+            return self._one_by_one(scenario, filters, attributes)
+        data.attrs.update(attributes)
+        values = {label: kept(recording.of_filter(data, label), self._period) for label in filters}
+        return Outcome(dict.fromkeys(filters, State.finished), values)
+
+    def uses_container(self, scenario: Scenario) -> bool:
+        """Whether the container does a scenario; refuses what was asked for and cannot be."""
+        if self._master is Master.python:
+            return False
+        reason = why_no_container(scenario, self.fmus)
+        if reason is not None and self._master is Master.container:
+            raise InputError(f"{scenario.name} cannot run in a container: {reason}")
+        return reason is None
+
+    def _simulated(self, scenario: Scenario, filters: Filters, container: bool) -> xr.Dataset:
+        record = self._record_in_container if container else self._record
+        fmu = self.fmus[scenario.filter_fmu]
+        return recording.dataset(record(scenario, filters), list(filters), fmu, self.fmus.plant)
+
+    def _record(self, scenario: Scenario, filters: Filters) -> Recorded:
+        recorded, _ = simulation.simulated(scenario, self.fmus, filters)
+        return recorded
+
+    def _record_in_container(self, scenario: Scenario, filters: Filters) -> Recorded:
+        fmu = self.fmus[scenario.filter_fmu]
+        with ExitStack() as stack:
+            plant = simulation.start_plant(scenario, self.fmus, stack)
+            truth = dict(zip(simulation.TRUTH, plant.read(simulation.TRUTH), strict=True))
+        start = simulation.initial_values(scenario, self.fmus.plant, truth)
+        return self._container(scenario, len(filters)).record(
+            scenario.plant,
+            [simulation.filter_values(fmu, start, values) for values in filters.values()],
+            scenario.duration,
+            scenario.recording_period,
+        )
+
+    def _one_by_one(self, scenario: Scenario, filters: Filters, attributes: Mapping[str, Any]) -> Outcome:
+        outcome = Outcome({}, {})
+        for label, values in filters.items():
+            try:
+                data = self._simulated(scenario, {label: values}, container=False)
+            except SimulationError:  # noqa: PERF203
+                outcome.state[label] = State.failed
+            else:
+                data.attrs.update(attributes)
+                outcome.state[label] = State.finished
+                outcome.kept[label] = kept(recording.of_filter(data, label), self._period)
+        return outcome
+
+    def _container(self, scenario: Scenario, filters: int) -> Container:
+        key = scenario.filter_fmu, filters, scenario.communication_step
+        if key not in self._containers:
+            fmu = self.fmus[scenario.filter_fmu]
+            self._containers[key] = Container(
+                self.fmus.plant,
+                fmu,
+                filters,
+                scenario.communication_step,
+                _scalars(fmu, OUTPUTS),
+                _scalars(fmu, FIX_OUTPUTS),
+            )
+        return self._containers[key]
+
+
+def why_no_container(scenario: Scenario, fmus: Fmus) -> str | None:
+    """Why a container cannot do a scenario; None if it can."""
+    rate = float(simulation.parameter(scenario, fmus.plant, "gnss.rate"))
+    return obstacle(scenario.recording_period, rate)
+
+
+def arranged(
+    outcomes: list[Outcome], filters: list[str], times: int
+) -> tuple[dict[str, Array], NDArray[np.int8]]:
+    """Values and states of runs as they are stored: shapes (filters, runs[, times]) and (filters, runs)."""
+    shape = len(filters), len(outcomes)
+    values = {name: np.full((*shape, times), np.nan) for name in SERIES}
+    values |= {name: np.full(shape, np.nan) for name in FIGURES}
+    state = np.full(shape, State.absent, dtype=np.int8)
+    for r, outcome in enumerate(outcomes):
+        for f, label in enumerate(filters):
+            state[f, r] = outcome.state.get(label, State.absent)
+            for name, value in outcome.kept.get(label, {}).items():
+                values[name][(f, r, slice(len(value))) if value.ndim else (f, r)] = value
+    return values, state
+
+
+def bound(case: Case, fmus: Fmus) -> xr.Dataset:
+    """Cramer-Rao bound of a case with the attributes of its runs; without a bound where there is none.
+
+    The true motion is the same for all seeds, and so is the bound.
+    """
+    try:
+        return simulation.bound_of(case.scenario, fmus)
+    except InputError:
+        return xr.Dataset(attrs=simulation.attributes(case.scenario, fmus))
+
+
+def _scalars(fmu: Fmu, names: tuple[str, ...]) -> list[str]:
+    return [scalar for name in names for scalar in fmu.arrays.get(name, [])]

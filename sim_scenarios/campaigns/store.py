@@ -1,0 +1,225 @@
+"""Results of a campaign on disk: an xarray Dataset in Zarr, written region by region.
+
+    dimension `scenario`   cases of the campaign: scenario and point of the grid
+    dimension `filter`     filters by label; one that a case does not compare stays empty
+    dimension `run`        coordinate `seed`
+    dimension `time`       every `period` seconds
+
+One chunk holds the runs of one batch, so that workers never write to the same file, and Zarr replaces a file
+as a whole. `state` is written last: a run counts as finished when its state says so, and everything else
+of it is on disk by then. Whoever dies at any moment leaves finished batches and batches to repeat.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import dask.array
+import numpy as np
+import xarray as xr
+import zarr
+from numpy.typing import NDArray
+
+from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
+from sim_scenarios.campaigns.quantities import FIGURES, SERIES
+from sim_scenarios.errors import InputError
+
+NAME: Final = "campaign.zarr"
+RUNS: Final = ("scenario", "filter", "run")
+
+
+class State(IntEnum):
+    """What became of a run."""
+
+    missing = 0
+    finished = 1
+    failed = 2  # an FMU refused to go on
+    absent = 3  # the case does not compare the filter
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Runs start .. stop - 1 of a case, stored together."""
+
+    case: int
+    start: int
+    stop: int
+
+    def __len__(self) -> int:
+        """Runs."""
+        return self.stop - self.start
+
+
+def is_there(folder: Path, identity: str) -> bool:
+    """Whether a folder holds the data set of a campaign; refuses a folder with that of another one."""
+    path = folder / NAME
+    if not path.exists():
+        return False
+    attributes = _group(path, "r").attrs
+    if attributes["fingerprint"] != identity:
+        raise InputError(
+            f"{folder} holds the results of a campaign with other settings or FMUs ({attributes['runs']} "
+            f"runs from seed {attributes['seed']}); give another --output, or --overwrite"
+        )
+    return True
+
+
+def create(
+    folder: Path, plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[xr.Dataset]
+) -> None:
+    """Data set of a campaign without results; it appears in the folder as a whole or not at all."""
+    folder.mkdir(parents=True, exist_ok=True)
+    draft = folder / f"{NAME}.{os.getpid()}"
+    _template(plan, made, identity, bounds).to_zarr(draft, mode="w", compute=False, zarr_format=2)
+    draft.replace(folder / NAME)
+
+
+def discard(folder: Path) -> None:
+    """Remove the data set of a folder."""
+    shutil.rmtree(folder / NAME, ignore_errors=True)
+
+
+def run_attributes(path: Path) -> list[dict[str, Any]]:
+    """Attributes of the runs of each case: evaluation window, limits, bound."""
+    about = json.loads(_group(path, "r").attrs["cases"])
+    return [case["attributes"] for case in about.values()]
+
+
+def unfinished(path: Path) -> Iterator[Batch]:
+    """Batches with a run that is missing."""
+    state = _group(path, "r")["state"]
+    size = state.chunks[2]
+    for case in range(state.shape[0]):
+        missing = (state[case] == State.missing).any(axis=0)
+        for start in range(0, len(missing), size):
+            stop = min(start + size, len(missing))
+            if missing[start:stop].any():
+                yield Batch(case, start, stop)
+
+
+class Writer:
+    """Stores batches in a data set."""
+
+    def __init__(self, path: Path) -> None:
+        group = _group(path, "r+")
+        self._arrays = {name: group[name] for name in (*SERIES, *FIGURES)}
+        self._state = group["state"]
+        self.times = int(group["time"].shape[0])
+
+    def write(self, batch: Batch, values: Mapping[str, NDArray[Any]], state: NDArray[np.int8]) -> None:
+        """Store a batch, its state last.
+
+        The shapes are (filters, runs) for states and figures, (filters, runs, times) for series.
+        """
+        region = batch.case, slice(None), slice(batch.start, batch.stop)
+        for name, array in self._arrays.items():
+            array[region] = values[name]
+        self._state[region] = state
+
+
+def open_results(folder: str | Path) -> xr.Dataset:
+    """Results of a campaign, read from its folder as they are needed."""
+    path = Path(folder) / NAME
+    if not path.exists():
+        raise InputError(f"there are no results of a campaign in {folder}")
+    data: xr.Dataset = xr.open_zarr(path)
+    return data
+
+
+def counts(path: Path) -> dict[State, int]:
+    """How many runs of filters are in each state."""
+    state = _group(path, "r")["state"][:]
+    return {s: int((state == s).sum()) for s in State}
+
+
+def _group(path: Path, mode: Literal["r", "r+"]) -> Any:
+    return zarr.open_group(str(path), mode=mode)
+
+
+def _template(plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[xr.Dataset]) -> xr.Dataset:
+    """The whole data set, with nothing in its runs yet."""
+    filters = filter_labels(made)
+    steps = max(int(case.scenario.duration / plan.period + 1e-9) for case in made)
+    time = plan.period * np.arange(steps + 1, dtype=np.float64)
+    shape = {"scenario": len(made), "filter": len(filters), "run": plan.runs, "time": len(time)}
+    chunks = {**shape, "scenario": 1, "run": plan.batch}
+
+    def empty(dimensions: Sequence[str], dtype: str, fill: float) -> Any:
+        return dask.array.full(
+            [shape[d] for d in dimensions], fill, dtype=dtype, chunks=[chunks[d] for d in dimensions]
+        )
+
+    series = {
+        name: ((*RUNS, "time"), empty((*RUNS, "time"), "f8", np.nan), _attributes(*about))
+        for name, about in SERIES.items()
+    }
+    figures = {
+        name: (RUNS, empty(RUNS, "f8", np.nan), _attributes(*about)) for name, about in FIGURES.items()
+    }
+    state = {
+        "description": "What became of the run",
+        "flag_values": np.array(list(State), dtype=np.int8),
+        "flag_meanings": " ".join(s.name for s in State),
+    }
+    data: xr.Dataset = xr.Dataset({**series, **figures, "state": (RUNS, empty(RUNS, "i1", 0), state)})
+    data = data.assign_coords(
+        scenario=(
+            "scenario",
+            [case.label for case in made],
+            {"description": "Scenario and point of the grid"},
+        ),
+        filter=("filter", filters, {"description": "Filter"}),
+        seed=("run", plan.seed + np.arange(plan.runs), {"description": "Seed of the run"}),
+        time=("time", time, {"units": "s", "description": "Time since the start"}),
+    )
+    data = data.assign(_bounds(bounds, time))
+    data.attrs = _about(plan, made, identity, bounds)
+    return data
+
+
+def _attributes(unit: str, description: str) -> dict[str, str]:
+    return {"units": unit, "description": description}
+
+
+def _bounds(bounds: Sequence[xr.Dataset], time: NDArray[np.float64]) -> dict[str, Any]:
+    """Bound of the heading for each case at the times of the campaign, and its RMS over the window."""
+    series = np.full((len(bounds), len(time)), np.nan)
+    rms = np.full(len(bounds), np.nan)
+    for i, bound in enumerate(bounds):
+        if "bound.heading_sigma" in bound:
+            last = np.searchsorted(bound["bound_time"].values, time + 1e-6, side="right") - 1
+            inside = time <= float(bound["bound_time"].values[-1]) + 1e-6
+            series[i, inside] = bound["bound.heading_sigma"].values[last][inside]
+            rms[i] = bound.attrs["bound.heading_rms"]
+    what = "Posterior Cramer-Rao bound of the heading"
+    return {
+        "heading_bound": (("scenario", "time"), series, _attributes("rad", what)),
+        "heading_bound_rms": ("scenario", rms, _attributes("rad", f"{what}: RMS over the window")),
+    }
+
+
+def _about(plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[xr.Dataset]) -> dict[str, Any]:
+    cases = {
+        case.label: {
+            "scenario": case.source,
+            "settings": case.settings,
+            "attributes": {key: value for key, value in bound.attrs.items() if key != "messages"},
+        }
+        for case, bound in zip(made, bounds, strict=True)
+    }
+    return {
+        "campaign": plan.name,
+        "description": plan.description or made[0].scenario.description,
+        "runs": plan.runs,
+        "seed": plan.seed,
+        "plan": plan.model_dump_json(),
+        "cases": json.dumps(cases),
+        "fingerprint": identity,
+    }

@@ -1,0 +1,189 @@
+"""`truenorth campaign`."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn
+from rich.progress import Progress as Bar
+
+from sim_scenarios.cli import INTERRUPTED
+from sim_scenarios.cli.options import AsJson, Output, Settings, settings
+from sim_scenarios.cli.results import DEFAULT, Results
+from sim_scenarios.cli.terminal import console, print_json, print_pairs, print_table, refusing_bad_input
+from sim_scenarios.cosimulation import Master
+
+if TYPE_CHECKING:
+    from sim_scenarios.campaigns import Campaign
+    from sim_scenarios.campaigns.execution import Effort, Progress
+    from sim_scenarios.campaigns.statistics import CaseSummary
+
+Name = Annotated[
+    str,
+    typer.Argument(
+        metavar="FILE|SCENARIO",
+        help="Campaign file (TOML), shipped campaign, or scenario (`truenorth list`).",
+        show_default=False,
+    ),
+]
+Runs = Annotated[
+    int | None,
+    typer.Option("--runs", "-n", help="Runs of every case; their seeds count up.", show_default="100"),
+]
+FirstSeed = Annotated[int | None, typer.Option("--seed", help="Seed of the first run.", show_default="1")]
+Labels = Annotated[
+    list[str] | None,
+    typer.Option("--filter", metavar="LABEL", help="Filter to run. Repeatable.", show_default="all"),
+]
+Grid = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--grid",
+        metavar="NAME=[VALUES]",
+        help="Values of a parameter; every combination is a case. Repeatable.",
+        show_default=False,
+    ),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option(min=1, help="Processes of the embedded cluster.", show_default="one for each core"),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(help="Dask scheduler to use instead, such as tcp://host:8786.", show_default=False),
+]
+Stepping = Annotated[
+    Master, typer.Option(help="Who steps plant and filters: a container FMU, or Python. Same results.")
+]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Discard the results of another campaign in the folder.")
+]
+
+
+def run_campaign(
+    name: Name,
+    runs: Runs = None,
+    seed: FirstSeed = None,
+    filters: Labels = None,
+    set_: Settings = None,
+    grid: Grid = None,
+    output: Output = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    master: Stepping = Master.auto,
+    overwrite: Overwrite = False,
+    as_json: AsJson = False,
+) -> None:
+    """Run many seeds of scenarios and filters, and say what they are worth together.
+
+    What is done is stored at once. The same command resumes a campaign that was stopped, and only writes
+    the report of one that is complete. Run k has the seed of the first run + k; `truenorth compare` with
+    that seed shows the run alone.
+
+    For example:
+
+        truenorth campaign swaying_ship -n 100
+        truenorth campaign zigzag -n 50 --filter EKF --filter UKF --grid "gnss.rate=[1, 5, 10]"
+        truenorth campaign filters_by_scenario
+        truenorth campaign my_campaign.toml --scheduler tcp://192.168.0.7:8786 --output /shared/results
+
+    Exit code 0 when every run is done, 130 when interrupted.
+    """
+    from sim_scenarios.campaigns import Campaign, load_plan, page, store, table  # slow: Dask, Zarr
+    from sim_scenarios.campaigns.statistics import summarise
+
+    with refusing_bad_input():
+        plan = load_plan(
+            name,
+            runs=runs,
+            seed=seed,
+            filters=tuple(filters) if filters else None,
+            set=settings(set_),
+            grid=settings(grid),
+        )
+        folder = Results(output or DEFAULT / f"campaign-{plan.name}").output
+        assert folder is not None
+        if overwrite:
+            store.discard(folder)
+        campaign = Campaign.of(plan, folder, master)
+        effort = _run(campaign, workers, scheduler)
+        data = store.open_results(folder)
+        cases = list(summarise(data))
+        files = page.write(data, cases, folder)
+    if as_json:
+        figures = {case.label: table.for_machines(case) for case in cases}
+        print_json({"campaign": plan.name, "runs": plan.runs, "seed": plan.seed, "cases": figures, **files})
+    else:
+        _print(cases, effort, files)
+
+
+def _run(campaign: Campaign, workers: int | None, scheduler: str | None) -> Effort:
+    """Run what is missing; an interruption says how to go on."""
+    try:
+        with _progress(campaign.plan.name) as report:
+            return campaign.run(workers=workers, scheduler=scheduler, report=report)
+    except KeyboardInterrupt:
+        command = shlex.join(["truenorth", *sys.argv[1:]])
+        typer.echo(
+            f"truenorth: stopped; what is done is kept in {campaign.folder}, and the same command resumes:\n"
+            f"  {command}",
+            err=True,
+        )
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def _print(cases: list[CaseSummary], effort: Effort, files: dict[str, str]) -> None:
+    from sim_scenarios.campaigns import table
+
+    for case in cases:
+        console().print(case.label, style="bold", highlight=False, markup=False)
+        print_table(table.figures(case))
+        console().print()
+    print_pairs({**_effort(effort), "Report": files["report"], "Data": files["data"]})
+
+
+def _effort(effort: Effort) -> dict[str, str]:
+    if effort.runs == 0:
+        return {"Runs": "all were there already"}
+    return {
+        "Runs": f"{effort.runs} in {effort.wall:.1f} s on {effort.workers} workers",
+        "Not in runs": f"{100 * effort.overhead:.1f} % of the workers' time",
+    }
+
+
+@contextmanager
+def _progress(title: str) -> Iterator[Callable[[Progress], None]]:
+    """Progress on standard error: a bar on a terminal, else a line for each tenth."""
+    standard_error = Console(stderr=True)
+    if not standard_error.is_terminal:
+        yield _tenths(title)
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[said]}"))
+    with Bar(*columns, console=standard_error, transient=True) as bar:
+        task = bar.add_task(title, total=1.0, said="starting")
+        yield lambda p: bar.update(task, total=p.total, completed=p.done, said=_said(p))
+
+
+def _tenths(title: str) -> Callable[[Progress], None]:
+    reported = -1
+
+    def report(progress: Progress) -> None:
+        nonlocal reported
+        if (tenth := 10 * progress.done // progress.total) > reported:
+            reported = tenth
+            print(f"{title}: {_said(progress)}", file=sys.stderr, flush=True)
+
+    return report
+
+
+def _said(progress: Progress) -> str:
+    said = f"{progress.done} of {progress.total} runs, {progress.failed} failed"
+    if progress.rate > 0:
+        said += f", {progress.rate:.2f} a second, {progress.left:.0f} s left"
+    return said

@@ -1,0 +1,167 @@
+"""Plant and filters as one container FMU, which steps them all by itself: the same results, sooner.
+
+The co-simulation master (`cosimulation`) calls every FMU and carries every signal 100 times a second, in
+Python. Inside an FMU Container (fmu-manipulation-toolbox) compiled code does so, in the same order: the plant
+steps, its outputs are passed on, the filters step (Gauss-Seidel). Python is called at the recorded instants
+alone. The results are those of the master to the last bit.
+
+What a container cannot show is a fix that another fix follows before the next recorded instant; `obstacle`
+says so, and the master does such a scenario.
+"""
+
+from __future__ import annotations
+
+import logging
+import platform
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+import numpy as np
+from fmu_manipulation_toolbox.container import FMUContainer
+from numpy.typing import NDArray
+
+from sim_scenarios.cosimulation import Recorded, Table, connected
+from sim_scenarios.errors import SimulationError
+from sim_scenarios.fmus import Fmu, Number
+from sim_scenarios.instance import Instance, Port
+
+SOURCE: Final = "plant."
+PLATFORMS: Final = {("Linux", "x86_64"), ("Windows", "AMD64")}
+"""Those for which fmu-manipulation-toolbox has the compiled code of a container."""
+
+
+def obstacle(recording_period: float, fix_rate: float) -> str | None:
+    """Why a container cannot do a scenario; None if it can."""
+    if (platform.system(), platform.machine()) not in PLATFORMS:
+        return f"there is no container for {platform.system()} on {platform.machine()}"
+    if fix_rate * recording_period > 1 + 1e-9:
+        return f"{fix_rate:g} fixes a second are more than one for each recorded instant"
+    return None
+
+
+class Container:
+    """A container FMU of one plant and a number of filters, unpacked for as long as this object lives.
+
+    Parameters
+    ----------
+    plant, filter_fmu : Fmu
+    filters : int
+        How many filters see the same signals.
+    step : float
+        Communication step inside the container [s].
+    outputs, fix_outputs : sequence of str
+        Scalar outputs of the filter that are recorded periodically and at fixes.
+    """
+
+    def __init__(
+        self,
+        plant: Fmu,
+        filter_fmu: Fmu,
+        filters: int,
+        step: float,
+        outputs: Sequence[str],
+        fix_outputs: Sequence[str],
+    ) -> None:
+        self._sinks = [f"filter{i}." for i in range(filters)]
+        self._truth = [name for name in plant.outputs() if name.startswith("truth.")]
+        self._outputs, self._fix_outputs = list(outputs), list(fix_outputs)
+        self._folder = TemporaryDirectory(prefix="container-")
+        self._fmu = Fmu(self._built(plant, filter_fmu, step))
+
+    def record(
+        self,
+        plant: Mapping[str, Number],
+        filters: Sequence[Mapping[str, Number]],
+        duration: float,
+        period: float,
+    ) -> Recorded:
+        """Run from 0 to the end, recording periodically and at fixes.
+
+        Parameters
+        ----------
+        plant : mapping of str to number
+            Parameters of the plant.
+        filters : sequence of mapping of str to number
+            Parameters of each filter, what it starts from included.
+        duration, period : float
+            Whole run, and between recorded instants [s].
+
+        Returns
+        -------
+        Recorded
+            As `cosimulation.simulate` gives it.
+        """
+        values = dict(_prefixed(SOURCE, plant))
+        for sink, given in zip(self._sinks, filters, strict=True):
+            values |= _prefixed(sink, given)
+        times = period * np.arange(round(duration / period) + 1, dtype=np.float64)
+        with closing(Instance(self._fmu, "container", values)) as instance:
+            instance.begin_initialisation(0.0, duration)
+            instance.finish_initialisation()
+            return self._recorded(instance, times)
+
+    def _recorded(self, instance: Instance, times: NDArray[np.float64]) -> Recorded:
+        def table(prefix: str, names: Sequence[str]) -> Table:
+            return Table(Port(instance, [prefix + name for name in names]), len(times), prefix)
+
+        truth = table(SOURCE, self._truth)
+        filters = [table(sink, self._outputs) for sink in self._sinks]
+        fixes = [table(sink, self._fix_outputs) for sink in self._sinks]
+        signal = Port(instance, [f"{SOURCE}gnss.sample", f"{SOURCE}gnss.time"])
+        count, fix_time = signal.signals.buffers["Integer"], signal.signals.buffers["Real"]
+        signal.read()
+        for rows in (truth, *filters):
+            rows.append()
+        fixes_at: list[float] = []
+        clock = times.tolist()
+        for time, end in pairwise(clock):
+            before = int(count[0])
+            instance.step(time, end - time)
+            signal.read()
+            if count[0] != before:
+                if count[0] != before + 1:
+                    raise SimulationError(f"several fixes came between {time:g} s and {end:g} s")
+                fixes_at.append(float(fix_time[0]))
+                for rows in fixes:
+                    rows.append()
+            for rows in (truth, *filters):
+                rows.append()
+        return Recorded(times, np.array(fixes_at), truth, filters, fixes)
+
+    def _built(self, plant: Fmu, filter_fmu: Fmu, step: float) -> Path:
+        """Path of the container, with all parameters, what is recorded, and nothing else to be seen."""
+        logging.getLogger("fmu_manipulation_toolbox").setLevel(logging.ERROR)
+        folder = Path(self._folder.name)
+        for fmu in (plant, filter_fmu):
+            shutil.copy(fmu.path, folder / f"{fmu.name}.fmu")
+        source = f"{plant.name}.fmu"
+        container = FMUContainer("container", folder, fmi_version=2)
+        container.get_fmu(source)
+        for name in _settable(plant):
+            container.add_input(SOURCE + name, source, name)
+        for name in (*self._truth, "gnss.sample", "gnss.time"):
+            container.add_output(source, name, SOURCE + name)
+        for sink in self._sinks:
+            embedded = f"{sink}fmu"
+            container.get_fmu(f"{filter_fmu.name}.fmu", embedded)
+            for name in connected(plant.outputs(), filter_fmu):
+                container.add_link(source, name, embedded, name)
+            for name in _settable(filter_fmu):
+                container.add_input(sink + name, embedded, name)
+            for name in (*self._outputs, *self._fix_outputs):
+                container.add_output(embedded, name, sink + name)
+        container.make_fmu("container.fmu", step_size=step, sequential=True)
+        return folder / "container.fmu"
+
+
+def _settable(fmu: Fmu) -> Iterator[str]:
+    return (name for name, variable in fmu.variables.items() if variable.settable)
+
+
+def _prefixed(prefix: str, values: Mapping[str, Number]) -> dict[str, Number]:
+    return {prefix + name: value for name, value in values.items()}

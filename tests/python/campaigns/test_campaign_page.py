@@ -1,0 +1,177 @@
+"""The page of a campaign in headless Chromium: no error, curves that follow the switches, right figures."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import xarray as xr
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from sim_scenarios.campaigns import page, table
+from sim_scenarios.campaigns.statistics import CaseSummary, summarise
+from sim_scenarios.campaigns.store import open_results
+from sim_scenarios.units import ARCMIN
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+FLAGS = [
+    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync"),
+]
+
+browser_is_there = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed: page not tested")
+
+
+@pytest.fixture(scope="module")
+def data(results_folder: Path) -> xr.Dataset:
+    return open_results(results_folder)
+
+
+@pytest.fixture(scope="module")
+def cases(data: xr.Dataset) -> list[CaseSummary]:
+    return list(summarise(data))
+
+
+@pytest.fixture(scope="module")
+def files(
+    data: xr.Dataset, cases: list[CaseSummary], tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, str]:
+    return page.write(data, cases, tmp_path_factory.mktemp("page"))
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module", params=[1280, 390])
+def opened(chromium: Browser, files: dict[str, str], request: pytest.FixtureRequest) -> Iterator[Page]:
+    """The page in a window of a width, without network; ends with a look at what the console said."""
+    context = chromium.new_context(viewport={"width": request.param, "height": 900}, offline=True)
+    opened = context.new_page()
+    said: list[str] = []
+    opened.on("console", lambda message: said.append(message.text))
+    opened.on("pageerror", lambda error: said.append(str(error)))
+    opened.on("request", lambda r: None if r.url.startswith(("file:", "data:")) else said.append(r.url))
+    opened.goto(Path(files["report"]).as_uri())
+    opened.wait_for_selector("#nis .main-svg")
+    yield opened
+    assert said == []
+    context.close()
+
+
+def curves(opened: Page, plot: str) -> list[str]:
+    """Names of the curves of a plot that have a drawn path."""
+    names = opened.evaluate(f"document.getElementById('{plot}').data.flatMap(trace => trace.name || [])")
+    paths = opened.locator(f"#{plot} .scatterlayer .trace .js-line").evaluate_all(
+        "all => all.filter(l => l.getAttribute('d').length > 20 && parseFloat(l.style.strokeWidth)).length"
+    )
+    assert paths == len(names)
+    return list(names)
+
+
+def choose(opened: Page, control: str, value: str) -> None:
+    opened.select_option(f"#{control}", label=value)
+
+
+@browser_is_there
+def test_curves_are_drawn_and_follow_the_switches(opened: Page) -> None:
+    for plot in ("error", "runs", "nees", "nis"):
+        assert set(curves(opened, plot)) - {"Cramer-Rao bound"} == {"EKF", "UKF"}
+    opened.get_by_label("EKF", exact=True).uncheck()
+    for plot in ("error", "runs", "nees", "nis"):
+        assert "EKF" not in curves(opened, plot)
+    opened.get_by_label("EKF", exact=True).check()
+    opened.get_by_label("median to 90th percentile").check()
+    assert len(opened.evaluate("document.getElementById('error').data")) == 7  # two areas of two edges each
+    opened.get_by_label("median to 90th percentile").uncheck()
+    choose(opened, "quantity", "Velocity")
+    assert curves(opened, "error") == ["EKF", "UKF"]  # the bound is that of the heading
+    assert opened.locator("#error .ytitle").text_content() == "m/s"
+    choose(opened, "quantity", "Heading")
+    choose(opened, "case", "overconfident_prior gnss.rate=1.0")
+    assert curves(opened, "error") == ["Cramer-Rao bound", "UKF"]
+    choose(opened, "case", "zigzag gnss.rate=1.0")
+
+
+@browser_is_there
+def test_hovering_shows_figures_and_a_box_zooms(opened: Page) -> None:
+    box = opened.locator("#error .nsewdrag").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    opened.mouse.move(x, y)
+    opened.wait_for_selector("#error .hoverlayer .hovertext")
+    assert "EKF" in str(opened.locator("#error .hoverlayer").text_content())
+    whole = opened.evaluate("document.getElementById('error').layout.xaxis.range")
+    opened.mouse.down()
+    opened.mouse.move(x + box["width"] / 4, y + 60, steps=4)
+    opened.mouse.up()
+    part = opened.evaluate("document.getElementById('error').layout.xaxis.range")
+    assert part[1] - part[0] == pytest.approx((whole[1] - whole[0]) / 4, rel=0.1)
+
+
+@browser_is_there
+def test_the_curves_are_those_of_the_data_set(opened: Page, data: xr.Dataset) -> None:
+    drawn = opened.evaluate(
+        "Array.from(document.getElementById('error').data.find(trace => trace.name === 'UKF').y)"
+    )
+    one = data.sel(scenario="zigzag gnss.rate=1.0", filter="UKF")
+    rms = (one["heading_error"] ** 2).mean("run").values ** 0.5
+    assert drawn == pytest.approx((rms / ARCMIN).tolist(), rel=1e-4)
+
+
+@browser_is_there
+def test_the_tables_have_the_figures_of_the_data_set(opened: Page, cases: list[CaseSummary]) -> None:
+    for i, case in enumerate(cases):
+        for j, rows in enumerate((table.figures(case), table.errors(case))):
+            shown = opened.locator("section").nth(i).locator("table").nth(j).locator("tbody tr")
+            texts = shown.evaluate_all(
+                "rows => rows.map(row => [...row.cells].map(cell => cell.textContent))"
+            )
+            assert texts == rows[1:]
+
+
+@browser_is_there
+def test_nothing_is_wider_than_the_window(opened: Page) -> None:
+    width = opened.evaluate("innerWidth")
+    assert opened.evaluate("document.documentElement.scrollWidth") <= width
+    plot = opened.locator("#error .main-svg").first.bounding_box()
+    assert plot is not None
+    assert 0.8 * width - 40 < plot["width"] <= width
+
+
+@browser_is_there
+def test_the_plots_follow_a_dark_screen(opened: Page) -> None:
+    opened.emulate_media(color_scheme="dark")
+    opened.wait_for_function("document.getElementById('error').layout.font.color === '#e6edf3'")
+    opened.emulate_media(color_scheme="light")
+    opened.wait_for_function("document.getElementById('error').layout.font.color === '#24292f'")
+
+
+def test_pictures_and_table_lie_beside_the_page(files: dict[str, str], cases: list[CaseSummary]) -> None:
+    folder = Path(files["report"]).parent
+    names = {path.name for path in folder.iterdir()}
+    for case in cases:
+        stem = case.label.replace(" ", "_")
+        assert {f"{stem}.png", f"{stem}.svg"} <= names
+    lines = Path(files["table"]).read_text(encoding="utf-8").splitlines()
+    assert [line.split("|")[1].strip() for line in lines[2:]] == ["EKF", "UKF", "Cramer-Rao bound"]
+
+
+def test_the_page_names_the_command_of_a_run_alone(files: dict[str, str]) -> None:
+    text = Path(files["report"]).read_text(encoding="utf-8")
+    assert "truenorth compare zigzag --seed 3" in text
+    assert "--set gnss.rate=2.0" in text
+
+
+def test_labels_cannot_end_the_script(data: xr.Dataset, cases: list[CaseSummary], tmp_path: Path) -> None:
+    sly = data.assign_coords(filter=["</script><b>", "UKF"])
+    text = Path(page.write(sly, cases[:1], tmp_path)["report"]).read_text(encoding="utf-8")
+    content = text.split('id="content">')[1].split("</script>")[0]
+    assert json.loads(content)["filters"][0] == "</script><b>"

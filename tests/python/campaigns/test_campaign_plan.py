@@ -1,0 +1,96 @@
+"""Campaign files: the cases they make, and what they refuse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from sim_scenarios.campaigns.plan import Plan, cases, fingerprint, load_plan
+from sim_scenarios.errors import InputError
+from sim_scenarios.fmus import Fmus
+
+
+def test_every_combination_of_the_grid_is_a_case(fmus: Fmus, plan_file: Path) -> None:
+    made = cases(load_plan(plan_file, grid={"corrector": ["standard"]}), fmus)
+    assert [case.label for case in made] == [
+        f"{scenario} gnss.rate={rate} corrector=standard"
+        for scenario in ("zigzag", "overconfident_prior")
+        for rate in (1.0, 2.0)
+    ]
+    assert [case.scenario.plant["gnss.rate"] for case in made] == [1.0, 2.0] * 2
+    assert all(case.scenario.duration == 40.0 for case in made)
+
+
+def test_filters_are_those_that_a_scenario_compares(fmus: Fmus, plan_file: Path) -> None:
+    made = cases(load_plan(plan_file), fmus)
+    assert [list(case.filters()) for case in made] == [["EKF", "UKF"]] * 2 + [["UKF"]] * 2
+
+
+def test_filters_of_its_own(fmus: Fmus, tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(
+        'scenarios = ["zigzag"]\n[set]\n"gate.threshold" = 20.0\n'
+        '[filters."a"]\npredictor = "linearised"\n"gate.threshold" = 9.0\n[filters."b"]\n',
+        encoding="utf-8",
+    )
+    (case,) = cases(load_plan(path), fmus)
+    assert list(case.filters()) == ["a", "b"]
+    predictor = fmus.filter.variables["predictor"].items
+    assert case.filters()["a"]["predictor"] == predictor["linearised"]
+    assert case.filters()["b"]["predictor"] == predictor["unscented"]  # of the scenario
+    assert {values["gate.threshold"] for values in case.filters().values()} == {20.0}  # settings win
+
+
+def test_a_scenario_alone_is_a_campaign(fmus: Fmus) -> None:
+    plan = load_plan("swaying_ship", runs=3, seed=8, set={"gnss.rate": 5.0})
+    (case,) = cases(plan, fmus)
+    assert (plan.name, plan.runs, plan.seed, case.label) == ("swaying_ship", 3, 8, "swaying_ship")
+    assert "EKF" in case.filters()
+    assert case.with_seed(9).plant["seed"] == 9
+
+
+def test_scenario_files_stand_relative_to_the_campaign(fmus: Fmus, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text('extends = "waves"\ndescription = "mine"\n', encoding="utf-8")
+    path = tmp_path / "c.toml"
+    path.write_text('scenarios = ["mine.toml"]\n', encoding="utf-8")
+    assert [case.label for case in cases(load_plan(path), fmus)] == ["mine"]
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ('scenarios = ["swaying_shp"]', "did you mean 'swaying_ship'"),
+        ('scenarios = ["waves"]\nrun = 3', "did you mean 'runs'"),
+        ("scenarios = []", "scenarios"),
+        ('scenarios = ["waves"]\nruns = 0', "greater than or equal to 1"),
+        ('scenarios = ["waves"]\nseed = 2147483647\nruns = 2', "must not exceed 2147483647"),
+        ('scenarios = ["waves", "waves"]', "waves is named more than once"),
+        ('scenarios = ["waves"]\nfilters = ["UFK"]', "did you mean 'UKF'"),
+        ('scenarios = ["waves"]\nreference = "UFK"', "did you mean 'UKF'"),
+        ('scenarios = ["waves"]\nperiod = 0.25', "period = 0.25 s: must be a whole multiple"),
+        ('scenarios = ["waves"]\n[grid]\n"gnss.rat" = [1.0]', "did you mean 'gnss.rate'"),
+        ('scenarios = ["waves"]\n[grid]\n"gnss.rate" = []', "grid"),
+        ("scenarios = [", "not valid TOML"),
+    ],
+)
+def test_what_is_refused(fmus: Fmus, tmp_path: Path, content: str, words: str) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text(content, encoding="utf-8")
+    with pytest.raises(InputError) as refusal:
+        cases(load_plan(path), fmus)
+    assert words in str(refusal.value)
+
+
+def test_a_fingerprint_tells_campaigns_apart(fmus: Fmus, plan_file: Path) -> None:
+    def of(**given: object) -> str:
+        plan = load_plan(plan_file, **given)
+        return fingerprint(plan, cases(plan, fmus), {"TruthPlant": "1"})
+
+    assert of() == of() == of(reference="EKF", description="other words")
+    assert len({of(), of(runs=6), of(seed=4), of(set={"duration": 41.0}), of(filters=("UKF",))}) == 5
+
+
+@pytest.mark.parametrize(("runs", "batch"), [(1, 1), (10, 1), (100, 2), (1000, 16), (100_000, 16)])
+def test_batches_are_few_and_even(runs: int, batch: int) -> None:
+    assert Plan(name="any", scenarios=("waves",), runs=runs).batch == batch

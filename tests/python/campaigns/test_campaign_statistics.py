@@ -1,0 +1,174 @@
+"""Statistics of runs against independent oracles: scipy, closed forms and simulated coverage."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy import stats
+
+from sim_scenarios.campaigns.quantities import FIGURES, SERIES
+from sim_scenarios.campaigns.statistics import (
+    consistency_course,
+    error_course,
+    nees_course,
+    paired_ratio,
+    root_mean_square,
+    summarise,
+)
+from sim_scenarios.campaigns.store import State
+
+TRIALS = 2000
+
+
+def binomial_range(trials: int, probability: float) -> tuple[float, float]:
+    """Range of a share that a true probability leaves once in 10 000 tests."""
+    low, high = stats.binom.interval(1 - 1e-4, trials, probability)
+    return low / trials, high / trials
+
+
+@pytest.mark.parametrize("runs", [20, 100])
+def test_the_interval_of_the_rmse_covers_the_truth(runs: int) -> None:
+    """Run figures as those of an unobservable bias: |N(0, 1)|, whose root mean square is 1.
+
+    An approximate interval: allowed are 1.5 points of lost coverage at 100 runs, 4 at 20.
+    """
+    draws = np.abs(np.random.default_rng(runs).standard_normal((TRIALS, runs)))
+    intervals = [root_mean_square(r) for r in draws]
+    covered = np.mean([i.lower <= 1 <= i.upper for i in intervals])
+    lost = {20: 0.04, 100: 0.015}[runs]
+    assert binomial_range(TRIALS, 0.95 - lost)[0] <= covered <= binomial_range(TRIALS, 0.95)[1]
+
+
+def test_the_interval_of_a_paired_ratio_covers_the_truth() -> None:
+    """Two filters that share most of their error: the ratio of their root mean squares is known."""
+    rng = np.random.default_rng(5)
+    common, own = rng.standard_normal((2, TRIALS, 100))
+    a, b = np.abs(common + 0.2 * own), np.abs(common)
+    truth = np.sqrt(1 + 0.2**2)
+    ratios = [paired_ratio(x, y) for x, y in zip(a, b, strict=True)]
+    covered = np.mean([r.lower <= truth <= r.upper for r in ratios])
+    assert binomial_range(TRIALS, 0.935)[0] <= covered <= binomial_range(TRIALS, 0.95)[1]
+    alone = [root_mean_square(x) for x in a]
+    assert np.mean([r.upper / r.lower for r in ratios]) < 1 + 0.5 * np.mean(
+        [i.upper / i.lower - 1 for i in alone]
+    )
+
+
+def test_intervals_agree_with_a_bootstrap() -> None:
+    rng = np.random.default_rng(11)
+    common = rng.standard_normal(200)
+    a, b = np.abs(1.3 * common + 0.3 * rng.standard_normal(200)), np.abs(common)
+
+    def rms(x: np.ndarray, axis: int) -> np.ndarray:
+        return np.sqrt(np.mean(x**2, axis=axis))
+
+    resampled = stats.bootstrap((a,), rms, rng=rng, n_resamples=5000).confidence_interval
+    own = root_mean_square(a)
+    assert own.value == pytest.approx(np.sqrt(np.mean(a**2)))
+    assert (own.lower, own.upper) == pytest.approx(resampled, rel=0.03)
+    resampled = stats.bootstrap(
+        (a, b), lambda x, y, axis: rms(x, axis) / rms(y, axis), paired=True, rng=rng, n_resamples=5000
+    ).confidence_interval
+    own = paired_ratio(a, b)
+    assert (own.lower, own.upper) == pytest.approx(resampled, rel=0.02)
+
+
+def test_filters_that_agree_have_a_ratio_without_doubt() -> None:
+    r = np.random.default_rng(1).random(10)
+    ratio = paired_ratio(2 * r, r)
+    assert (ratio.value, ratio.lower, ratio.upper) == pytest.approx((2, 2, 2))
+
+
+def test_one_run_has_no_interval() -> None:
+    one = root_mean_square([3.0])
+    assert one.value == 3
+    assert np.isnan([one.lower, one.upper]).all()
+    assert np.isnan(root_mean_square([]).value)
+
+
+def test_percentiles_are_those_of_the_size_of_the_error() -> None:
+    error = np.array([[-4.0, 1.0], [2.0, 1.0], [0.0, -1.0]])
+    course = error_course(error)
+    assert course.middle == pytest.approx([np.sqrt(20 / 3), 1])
+    assert course.lower == pytest.approx([2, 1])
+    assert course.upper == pytest.approx([np.percentile([4, 2, 0], 90), 1])
+
+
+def test_a_consistent_filter_stays_in_its_interval() -> None:
+    """Mean NEES of 40 runs of true sigma lies in its 95 % interval at 95 % of independent times."""
+    rng = np.random.default_rng(2)
+    sigma = np.full((40, TRIALS), 0.3)
+    course = nees_course(sigma * rng.standard_normal(sigma.shape), sigma)
+    inside = np.mean((course.lower <= course.middle) & (course.middle <= course.upper))
+    assert binomial_range(TRIALS, 0.95)[0] <= inside <= binomial_range(TRIALS, 0.95)[1]
+    assert (course.lower[0], course.upper[0]) == pytest.approx(np.array(stats.chi2.interval(0.95, 40)) / 40)
+
+
+def test_times_without_a_fix_have_no_nis() -> None:
+    course = consistency_course(np.array([[3.0, 0.0], [1.0, 0.0]]), np.array([[2.0, 0.0], [2.0, 0.0]]))
+    assert course.middle[0] == 1
+    assert np.isnan([course.middle[1], course.lower[1], course.upper[1]]).all()
+
+
+@pytest.fixture
+def results() -> xr.Dataset:
+    """One case with filters a and b in four runs, the last of which failed for b."""
+    runs = ("scenario", "filter", "run")
+    data = xr.Dataset(
+        {
+            **{name: ((*runs, "time"), np.ones((1, 2, 4, 3))) for name in SERIES},
+            **{name: (runs, np.ones((1, 2, 4))) for name in FIGURES},
+            "state": (runs, np.full((1, 2, 4), State.finished, np.int8)),
+            "heading_bound": (("scenario", "time"), np.ones((1, 3))),
+            "heading_bound_rms": ("scenario", [0.5]),
+        },
+        coords={"scenario": ["case"], "filter": ["a", "b"], "time": [0.0, 1.0, 2.0]},
+        attrs={
+            "plan": '{"reference": null}',
+            "cases": '{"case": {"attributes": {"evaluation.stop": 1.0}}}',
+        },
+    )
+    data["state"][0, 1, 3] = State.failed
+    data["heading_rmse"][0] = [[1, 1, 1, 7], [3, 3, 3, np.nan]]
+    data["convergence_time"][0] = [[30, 10, np.nan, 20], [np.nan, np.nan, 5, np.nan]]
+    data["success"][0] = [[1, 1, 0, 1], [1, 1, 1, np.nan]]
+    data["heading_sigma"][0, 0, :, 1] = 0.5
+    return data
+
+
+def test_a_summary_counts_what_became_of_the_runs(results: xr.Dataset) -> None:
+    (case,) = summarise(results)
+    a, b = case.filters["a"], case.filters["b"]
+    assert (a.runs, a.stopped, a.failures.value) == (4, 0, 0.25)
+    assert (b.runs, b.stopped, b.failures.value) == (4, 1, 0.25)
+    assert (a.failures.lower, a.failures.upper) == pytest.approx(
+        tuple(stats.binomtest(1, 4).proportion_ci(0.95, "exact"))
+    )
+    assert a.rmse["heading"].value == pytest.approx(np.sqrt(13))
+    assert a.to_bound.value == pytest.approx(np.sqrt(13) / 0.5)
+    assert a.convergence == pytest.approx((20, np.nan), nan_ok=True)
+    assert b.convergence == pytest.approx((np.nan, np.nan), nan_ok=True)
+    assert a.nees.value == pytest.approx(4)  # at the end of the window, not of the run
+    assert a.nees.upper == pytest.approx(stats.chi2.ppf(0.975, 4) / 4)
+
+
+def test_filters_are_compared_on_the_seeds_that_both_finished(results: xr.Dataset) -> None:
+    (case,) = summarise(results)
+    assert case.reference == "a"
+    assert case.filters["b"].ratio.value == pytest.approx(3)
+    results.attrs["plan"] = '{"reference": "b"}'
+    (case,) = summarise(results)
+    assert case.filters["a"].ratio.value == pytest.approx(1 / 3)
+
+
+def test_a_filter_that_a_case_lacks_has_no_summary(results: xr.Dataset) -> None:
+    results["state"][0, 1] = State.absent
+    (case,) = summarise(results)
+    assert list(case.filters) == ["a"]
+
+
+def test_a_case_without_runs_is_empty(results: xr.Dataset) -> None:
+    results["state"][0] = State.missing
+    (case,) = summarise(results)
+    assert case.filters == {}
