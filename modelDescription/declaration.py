@@ -1,35 +1,23 @@
-"""What `<Component>.toml` may say, and the sentences for what it may not.
-
-`read` returns a `Declaration`; anything wrong raises `DeclarationError`, whose text names the file, the
-variable, the key and the rule.
-"""
+"""What `<Component>.toml` may say, and the sentences for what one entry may not; `reading` reads it."""
 
 from __future__ import annotations
 
-import math
 import re
-import sys
-from collections.abc import Iterator
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
-from pathlib import Path
+from itertools import groupby
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 from units import UNITS, Unit
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 Value: TypeAlias = bool | int | float | str
 Start: TypeAlias = Value | list[Value] | list[list[Value]]
 
 PLAIN_TYPES = ("Real", "Integer", "Boolean")
-TAKEN = (*PLAIN_TYPES, "Parameters", "Inputs", "Outputs", *(unit.quantity for unit in UNITS.values()))
+TAKEN = (
+    *PLAIN_TYPES, "Parameters", "Inputs", "Outputs", "Interface", *(unit.quantity for unit in UNITS.values())
+)  # fmt: skip
 LONGEST_NAME = 63
-INT32 = 2**31 - 1
 
 # Words that cannot name a C++ member or enumerator, and the members that every generated struct has.
 _WORDS = """
@@ -96,14 +84,14 @@ class Variable(_Strict):
     causality: Literal["parameter", "tunable", "input", "output"]
     type: str
     size: Size | Annotated[list[Size], Field(min_length=2, max_length=2)] | None = None
-    unit: str | None = None
+    unit: str | Annotated[list[str], Field(min_length=2)] | None = None
     display_unit: str | None = None
     start: Start | None = None
     min: int | float | None = None
     above: int | float | None = None
     max: int | float | None = None
     nominal: float | None = Field(default=None, gt=0.0)
-    depends: list[str] | None = None
+    at_start: bool = False
     description: str = Field(min_length=1)
 
     @model_validator(mode="after")
@@ -116,12 +104,15 @@ class Variable(_Strict):
         if self.type == "Real":
             if self.unit is None:
                 raise ValueError('unit: every Real needs one ("1" when dimensionless)')
-            if self.unit not in UNITS:
-                raise ValueError(f"unit: '{self.unit}' is unknown; known are {', '.join(UNITS)}")
-            display = UNITS[self.unit].display
-            if self.display_unit is not None and self.display_unit not in display:
-                known = ", ".join(display) or "none"
-                raise ValueError(f"display_unit: '{self.display_unit}' is unknown; for {self.unit}: {known}")
+            if isinstance(self.unit, list) and self.shape != (len(self.unit),):
+                raise ValueError("unit: a list must have one unit for each element of a vector")
+            for unit in dict.fromkeys(self.units):
+                if unit not in UNITS:
+                    raise ValueError(f"unit: '{unit}' is unknown; known are {', '.join(UNITS)}")
+                display = UNITS[unit].display
+                if self.display_unit is not None and self.display_unit not in display:
+                    known = ", ".join(display) or "none"
+                    raise ValueError(f"display_unit: '{self.display_unit}' is unknown; for {unit}: {known}")
         else:
             for key in ("unit", "display_unit", "nominal"):
                 if getattr(self, key) is not None:
@@ -139,8 +130,8 @@ class Variable(_Strict):
                 raise ValueError("start: an output is calculated and has none")
         elif self.start is None:
             raise ValueError(f"start: every {self.causality} needs one")
-        if self.depends is not None and self.causality != "output":
-            raise ValueError("depends: only an output may have it")
+        if self.at_start and self.causality != "input":
+            raise ValueError("at_start: only an input may have it")
         return self
 
     @property
@@ -171,6 +162,21 @@ class Variable(_Strict):
         ]
 
     @property
+    def units(self) -> list[str]:
+        """Unit of each scalar, in the order of `indices`; none unless the type is Real."""
+        if self.unit is None:
+            return []
+        return self.unit if isinstance(self.unit, list) else [self.unit] * len(self.indices)
+
+    @property
+    def unit_text(self) -> str:
+        """The unit for people: `m`, or `m (1 to 12), m/s (13 to 24)`."""
+        if not isinstance(self.unit, list):
+            return self.unit or ""
+        runs = [(unit, list(run)) for unit, run in groupby(range(len(self.unit)), self.unit.__getitem__)]
+        return ", ".join(f"{unit} ({run[0] + 1} to {run[-1] + 1})" for unit, run in runs)
+
+    @property
     def starts(self) -> list[Value]:
         """One start value for each scalar, in the order of `indices`."""
         if isinstance(self.start, list):
@@ -192,14 +198,19 @@ class Scalar:
     """FMI value reference: the number among all scalars of the component, from 0."""
 
 
-class Declaration(_Strict):
+class Fragment(_Strict):
+    """Variables and enumerations that several components share."""
+
+    enumeration: dict[str, Enumeration] = {}
+    variable: list[Variable] = Field(min_length=1)
+
+
+class Declaration(Fragment):
     """A component: its variables, its enumerations, its default experiment."""
 
     name: str
     description: str = Field(min_length=1)
     default_experiment: Experiment
-    enumeration: dict[str, Enumeration] = {}
-    variable: list[Variable] = Field(min_length=1)
 
     @property
     def snake_name(self) -> str:
@@ -218,41 +229,17 @@ class Declaration(_Strict):
 
     def units(self) -> dict[str, Unit]:
         """Units in use."""
-        used = {variable.unit for variable in self.variable}
+        used = {unit for variable in self.variable for unit in variable.units}
         return {name: unit for name, unit in UNITS.items() if name in used}
 
     def display_units(self, unit: str) -> dict[str, float]:
         """Display units in use for `unit`, with their factors."""
-        used = {variable.display_unit for variable in self.variable if variable.unit == unit}
+        used = {variable.display_unit for variable in self.variable if unit in variable.units}
         return {name: factor for name, factor in UNITS[unit].display.items() if name in used}
 
-    def known_at_start(self, output: Variable) -> list[Variable]:
-        """Parameters and inputs on which `output` depends in initialisation; by default all parameters."""
-        patterns = output.depends
-        if patterns is None:
-            return self.of("parameter", "tunable")
-        return [
-            variable
-            for variable in self.of("parameter", "tunable", "input")
-            if any(fnmatchcase(variable.name, pattern) for pattern in patterns)
-        ]
-
-
-def read(path: Path) -> Declaration:
-    """Read and check a declaration."""
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise DeclarationError(f"{path.name}: {error}") from error
-    try:
-        declaration = Declaration.model_validate(content)
-    except ValidationError as error:
-        raise DeclarationError("\n".join(_sentences(path.name, content, error))) from error
-    if declaration.name != path.stem:
-        raise DeclarationError(f"{path.name}: name = '{declaration.name}': must be that of the file")
-    for problem in _problems(declaration):
-        raise DeclarationError(f"{path.name}: {problem}")
-    return declaration
+    def known_at_start(self) -> list[Variable]:
+        """Parameters and inputs on which outputs depend in initialisation."""
+        return [v for v in self.variable if v.causality in ("parameter", "tunable") or v.at_start]
 
 
 def _check_identifier(name: str) -> None:
@@ -260,81 +247,3 @@ def _check_identifier(name: str) -> None:
         raise ValueError(f"name: '{name}' must be lower-case words joined by underscores")
     if name in RESERVED:
         raise ValueError(f"name: '{name}' is a reserved word in C++")
-
-
-def _sentences(file: str, content: dict[str, object], error: ValidationError) -> Iterator[str]:
-    """Pydantic's complaints, with the variable's name for its number."""
-    for problem in error.errors():
-        where = list(problem["loc"])
-        subject = ""
-        variables = content.get("variable")
-        if where[:1] == ["variable"] and len(where) > 1 and isinstance(variables, list):
-            entry = variables[int(where[1])]
-            subject = f"variable '{entry.get('name', f'number {int(where[1]) + 1}')}': "
-            where = where[2:]
-        # Beyond the key, the place is pydantic's name for one arm of a union.
-        key = f"{where[0]}: " if len(where) > 0 and subject else "".join(f"{part}: " for part in where)
-        yield f"{file}: {subject}{key}{problem['msg'].removeprefix('Value error, ')}"
-
-
-def _problems(declaration: Declaration) -> Iterator[str]:
-    """Rules that concern more than one variable."""
-    names = {variable.name for variable in declaration.variable}
-    if len(names) != len(declaration.variable):
-        declared = [variable.name for variable in declaration.variable]
-        yield from (f"variable '{name}': declared twice" for name in declared if declared.count(name) > 1)
-    for name in declaration.enumeration:
-        if not re.fullmatch(r"[A-Z][A-Za-z0-9]*", name):
-            yield f"enumeration '{name}': must be CamelCase"
-        if name in TAKEN:
-            yield f"enumeration '{name}': the name is taken; so are {', '.join(TAKEN)}"
-    for variable in declaration.variable:
-        where = f"variable '{variable.name}'"
-        for depth in range(1, len(variable.path)):
-            prefix = ".".join(variable.path[:depth])
-            if prefix in names:
-                yield f"{where}: '{prefix}' is a variable and cannot be a group of variables too"
-            group = "".join(word.capitalize() for word in variable.path[depth - 1].split("_"))
-            if group in declaration.enumeration:
-                yield f"{where}: the group '{prefix}' and the enumeration '{group}' would have one C++ name"
-        if variable.type not in (*PLAIN_TYPES, *declaration.enumeration):
-            known = ", ".join((*PLAIN_TYPES, *declaration.enumeration))
-            yield f"{where}: type: '{variable.type}' is unknown; known are {known}"
-        elif variable.start is not None:
-            yield from (f"{where}: start: {text}" for text in _start_problems(variable, declaration))
-        for pattern in variable.depends or []:
-            if not any(fnmatchcase(v.name, pattern) for v in declaration.of("parameter", "tunable", "input")):
-                yield f"{where}: depends: '{pattern}' matches no parameter or input"
-
-
-def _start_problems(variable: Variable, declaration: Declaration) -> Iterator[str]:
-    """Start values of the wrong number, the wrong type or out of range."""
-    start, shape = variable.start, variable.shape
-    if isinstance(start, list):
-        rows = tuple(len(row) for row in start if isinstance(row, list))
-        fits = (len(shape) == 1 and not rows and len(start) == shape[0]) or (
-            len(shape) == 2 and len(start) == shape[0] and rows == (shape[1],) * shape[0]
-        )
-        if not fits:
-            yield f"the list must have the size {list(shape) if shape else 'of a scalar'}"
-            return
-    for value in variable.starts:
-        if variable.type in declaration.enumeration:
-            items = [item.name for item in declaration.enumeration[variable.type].items]
-            if value not in items:
-                yield f"'{value}' is not an item of {variable.type}; items are {', '.join(items)}"
-        elif variable.type == "Boolean":
-            if not isinstance(value, bool):
-                yield f"'{value}' must be true or false"
-        elif isinstance(value, (bool, str)) or (variable.type == "Integer" and not isinstance(value, int)):
-            yield f"'{value}' must be a number, of type {variable.type}"
-        elif not math.isfinite(value):
-            yield f"{value} must be a finite number"
-        elif variable.type == "Integer" and abs(value) > INT32:
-            yield f"{value} must fit into 32 bits"
-        elif variable.min is not None and value < variable.min:
-            yield f"{value} must be at least {variable.min}"
-        elif variable.above is not None and value <= variable.above:
-            yield f"{value} must be greater than {variable.above}"
-        elif variable.max is not None and value > variable.max:
-            yield f"{value} must be at most {variable.max}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from declaration import Declaration, Scalar, Variable
+from declaration import Declaration, Scalar
 
 
 class Fmi2:
@@ -23,7 +23,8 @@ class Fmi2:
             return "true" if value else "false"
         return repr(float(value)) if variable.type == "Real" else str(value)
 
-    def dependencies(self, output: Variable) -> str:
-        """List the indices, from 1, of the scalars on which an output depends in initialisation."""
-        known = {variable.name for variable in self._declaration.known_at_start(output)}
+    @property
+    def dependencies(self) -> str:
+        """Indices, from 1, of the scalars on which every output may depend in initialisation."""
+        known = {variable.name for variable in self._declaration.known_at_start()}
         return " ".join(str(s.reference + 1) for s in self._declaration.scalars if s.variable.name in known)

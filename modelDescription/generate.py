@@ -16,9 +16,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import jinja2
-from declaration import Declaration, DeclarationError, read
+from declaration import Declaration, DeclarationError
 from fmi2 import Fmi2
 from markupsafe import Markup
+from reading import read
 from structs import Cpp, nest
 
 HERE = Path(__file__).parent
@@ -81,7 +82,6 @@ def description(declaration: Declaration, product: Product, sources: list[Path])
         product=product,
         icon=Markup((HERE / "documentation" / f"{declaration.name}.svg").read_text(encoding="utf-8")),
         theory=Markup((HERE / "documentation" / f"{declaration.name}.html").read_text(encoding="utf-8")),
-        start=fmi2.start,
     )
     parts = [model_description(""), page, *code(declaration).values()]
     guid = content_hash(parts, sources)

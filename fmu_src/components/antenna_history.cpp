@@ -1,10 +1,8 @@
 #include "components/antenna_history.hpp"
 
-namespace truenorth {
+#include "components/time_tolerance.hpp"
 
-namespace {
-constexpr double kTimeTolerance = 1e-6;  // [s]
-}
+namespace truenorth {
 
 void AntennaHistory::push(const AntennaState& state) {
     const bool crowded = size_ >= 2 && back(0).time - back(1).time < kSpacing;
@@ -35,17 +33,21 @@ std::optional<AntennaState> AntennaHistory::at(double time) const {
                                          share * earth::displacement(before.position, after.position)),
             .velocity = before.velocity + share * (after.velocity - before.velocity),
             .lever_velocity = before.lever_velocity + share * (after.lever_velocity - before.lever_velocity),
+            .q_bn = before.q_bn.slerp(share, after.q_bn),
+            .omega_eb_b = before.omega_eb_b + share * (after.omega_eb_b - before.omega_eb_b),
             .travelled = IntervalAverage::between(before.travelled, after.travelled, share)};
     }
     return std::nullopt;
 }
 
 void AntennaHistory::turn(const Eigen::Matrix3d& R, const IntervalAverage& travelled) {
+    const Eigen::Quaterniond q(R);
     for (std::size_t age = 0; age < size_; ++age) {
         AntennaState& entry = entries_[(newest_ + kCapacity - age) % kCapacity];
         const Eigen::Vector3d lever_velocity = R * entry.lever_velocity;
         entry.velocity += lever_velocity - entry.lever_velocity;
         entry.lever_velocity = lever_velocity;
+        entry.q_bn = q * entry.q_bn;
         entry.travelled = travelled - (travelled - entry.travelled).turned(R);
     }
 }

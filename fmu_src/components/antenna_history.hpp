@@ -2,12 +2,12 @@
 // moment at which it was valid.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
 #include <optional>
 
-#include "error_models/interval_average.hpp"
+#include "inertial/interval_average.hpp"
 
 namespace truenorth {
 
@@ -16,11 +16,13 @@ struct AntennaState {
     earth::Position position;
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();        // ENU [m/s]
     Eigen::Vector3d lever_velocity = Eigen::Vector3d::Zero();  // its part that the lever arm causes
+    Eigen::Quaterniond q_bn = Eigen::Quaterniond::Identity();  // body to computed ENU
+    Eigen::Vector3d omega_eb_b = Eigen::Vector3d::Zero();      // body rate relative to the Earth [rad/s]
     IntervalAverage travelled{};  // running sum since the start, from which averages since then follow
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(time, position, velocity, lever_velocity, travelled);
+        archive(time, position, velocity, lever_velocity, q_bn, omega_eb_b, travelled);
     }
 };
 

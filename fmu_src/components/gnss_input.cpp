@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "components/time_tolerance.hpp"
+
 namespace truenorth {
 
 GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, double now) {
@@ -15,7 +17,7 @@ GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, double now) {
         !std::isfinite(height) || !fix.velocity.allFinite()) {
         return Verdict::not_finite;
     }
-    if (std::abs(latitude) > kLargestLatitude || std::abs(longitude) > kLargestLongitude ||
+    if (std::abs(latitude) > earth::kHighestLatitude || std::abs(longitude) > kLargestLongitude ||
         height < kLowest || height > kHighest || fix.velocity.norm() > kLargestSpeed) {
         return Verdict::impossible;
     }

@@ -18,12 +18,10 @@ class GnssInput {
   public:
     enum class Verdict { stale, accepted, not_finite, impossible, backwards, future };
 
-    static constexpr double kLargestLatitude = 1.57;  // the local-level frame excludes the poles [rad]
     static constexpr double kLargestLongitude = 6.3;  // a turn either way [rad]
     static constexpr double kLowest = -15e3;          // [m]
     static constexpr double kHighest = 100e3;         // [m]
     static constexpr double kLargestSpeed = 10e3;     // [m/s]
-    static constexpr double kTimeTolerance = 1e-6;    // [s]
 
     void start() { *this = GnssInput{}; }
 

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace truenorth {
+#include "components/time_tolerance.hpp"
 
-namespace {
-constexpr double kShortestInterval = 1e-9;  // [s]; two samples closer than this have the same time
-}
+namespace truenorth {
 
 ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d& delta_angle,
                                  const Eigen::Vector3d& delta_velocity) {
@@ -25,7 +23,7 @@ ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d&
     const bool leaps = std::isfinite(time) && dt > kLongestInterval;
     leap_time_ = leaps ? time : std::numeric_limits<double>::quiet_NaN();
     leap_sample_ = leaps ? sample : 0;
-    const bool plausible = !leaps && std::isfinite(time) && part > kShortestInterval &&
+    const bool plausible = !leaps && std::isfinite(time) && part > kTimeTolerance &&
                            delta_angle.allFinite() && delta_velocity.allFinite() &&
                            delta_angle.norm() <= kLargestRate * part &&
                            delta_velocity.norm() <= kLargestForce * part;

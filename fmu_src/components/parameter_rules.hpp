@@ -13,8 +13,6 @@
 
 namespace truenorth::rules {
 
-using truenorth::text;
-
 template <class Number>
 [[noreturn]] void refuse(std::string_view name, Number value, const std::string& rule) {
     throw InvalidParameter(std::string(name) + " = " + text(value) + ": must be " + rule);

@@ -11,13 +11,6 @@
 
 namespace truenorth {
 
-namespace {
-
-// The same limit as that of motion.latitude [rad].
-constexpr double kHighestLatitude = 1.57;
-
-}  // namespace
-
 void TruthPlant::initialise(double start_time) {
     validate(parameters);
     truth_plant::check_together(parameters);
@@ -81,9 +74,9 @@ void TruthPlant::sample(const Models& models) {
     const double time = state_.start_time + static_cast<double>(state_.samples) / parameters.imu.rate;
     const auto [delta_angle, delta_velocity] = models.trajectory.advance(state_.trajectory, time);
     const double latitude = models.trajectory.position(state_.trajectory).latitude;
-    if (std::abs(latitude) > kHighestLatitude) {
+    if (std::abs(latitude) > earth::kHighestLatitude) {
         throw std::runtime_error("the motion has come to latitude " + text(latitude) + " rad at " +
-                                 text(time) + " s: must stay within " + text(kHighestLatitude) +
+                                 text(time) + " s: must stay within " + text(earth::kHighestLatitude) +
                                  " rad, the local-level frame excludes the poles");
     }
     outputs.imu.delta_angle += models.gyro.measure(state_.gyro, state_.samples, time, delta_angle);

@@ -5,7 +5,7 @@
 // rotation of the ENU axes under a displacement p.
 #pragma once
 
-#include "error_models/interval_average.hpp"
+#include "inertial/interval_average.hpp"
 #include "estimation/gaussian.hpp"
 
 namespace truenorth {

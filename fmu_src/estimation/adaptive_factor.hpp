@@ -36,7 +36,7 @@ class AdaptiveFactor {
         return correction;
     }
 
-  private:
+    // At most 1; 1: the innovation is what its covariance explains.
     template <int N, int M>
     [[nodiscard]] double alpha(const Innovation<N, M>& innovation) const {
         if (form == Form::printed) {
@@ -46,6 +46,7 @@ class AdaptiveFactor {
         return limited(innovation.standardised().squaredNorm(), threshold * innovation.channels());
     }
 
+  private:
     static double limited(double statistic, double limit) {
         return statistic > limit ? limit / statistic : 1.0;
     }

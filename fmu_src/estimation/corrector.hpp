@@ -5,6 +5,8 @@
 // of it.
 #pragma once
 
+#include <algorithm>
+
 #include "estimation/adaptive_factor.hpp"
 #include "estimation/gaussian.hpp"
 #include "estimation/h_infinity.hpp"
@@ -22,6 +24,10 @@ class Corrector {
 
     Method method = Method::standard;
     InnovationGate gate;
+
+    // Guard against lock-out: a prediction that has gone astray makes the gate refuse every good measurement,
+    // for ever. After `patience` of them in a row it is time to blame the prediction; 0: never.
+    int patience = 20;
     HInfinity<N> h_infinity;
     Igg igg;
     AdaptiveFactor adaptive_factor;
@@ -30,8 +36,10 @@ class Corrector {
     // Third phase of the filter step. What the gate does not admit changes nothing and has no weight.
     Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
         if (!gate.admits(innovation)) {
+            refused_ = std::min(refused_ + 1, patience);
             return {Vector<N>::Zero(), prior, Vector<M>::Zero(), innovation.noise};
         }
+        refused_ = 0;
         switch (method) {
             case Method::h_infinity:
                 return h_infinity.correct(prior, innovation);
@@ -47,16 +55,23 @@ class Corrector {
         return Standard().correct(prior, innovation);
     }
 
+    // The gate has refused as many measurements in a row as it may.
+    [[nodiscard]] bool out_of_patience() const { return patience > 0 && refused_ >= patience; }
+
     // Forgets what has been learned.
     void restart() {
+        refused_ = 0;
         igg.restart();
         variational_bayes.restart();
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(igg, variational_bayes);
+        archive(refused_, igg, variational_bayes);
     }
+
+  private:
+    int refused_ = 0;  // in a row, counted up to patience
 };
 
 }  // namespace truenorth

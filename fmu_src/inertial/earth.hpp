@@ -17,6 +17,9 @@ inline constexpr double kPolarGravity = 9.8321849378;              // [m/s2]
 inline constexpr double kGravitationalParameter = 3.986004418e14;  // [m3/s2]
 inline constexpr double kStandardGravity = 9.80665;                // the unit "g" [m/s2]
 
+// The local-level frame is singular at the poles: latitudes beyond this are excluded [rad].
+inline constexpr double kHighestLatitude = 1.57;
+
 // Geodetic position; latitude and longitude [rad], height above the ellipsoid [m].
 struct Position {
     double latitude = 0.0;

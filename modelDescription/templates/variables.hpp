@@ -31,7 +31,7 @@ enum class {{ name }} : int {
 {% macro body(members, pad) %}
 {% for member in members %}
 {% if member.variable %}
-{% set unit = member.variable.unit %}
+{% set unit = member.variable.unit_text %}
 {{ pad }}{{ cpp.type(member.variable) }} {{ member.name }}{{ cpp.initialiser(member.variable) }};  // {{ '[%s] ' % unit if unit else '' }}{{ member.variable.description }}
 {% else %}
 {{ pad }}struct {{ member.type_name }} {
@@ -70,5 +70,16 @@ inline void validate(const Parameters& parameters) {
 {% endfor %}
 {% endfor %}
 }
+
+// All of the above under one name, for templates that serve several components.
+struct Interface {
+    using Parameters = {{ component.snake_name }}::Parameters;
+    using Inputs = {{ component.snake_name }}::Inputs;
+    using Outputs = {{ component.snake_name }}::Outputs;
+{% for name in component.enumeration %}
+    using {{ name }} = {{ component.snake_name }}::{{ name }};
+{% endfor %}
+    static void validate(const Parameters& parameters) { {{ component.snake_name }}::validate(parameters); }
+};
 
 }  // namespace truenorth::{{ component.snake_name }}

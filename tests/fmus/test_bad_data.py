@@ -7,13 +7,11 @@ from collections.abc import Iterator
 
 import pytest
 from calls import OK, Fmu, Instance, Number, run
-from conftest import ARCHIVES, STEP
+from conftest import FILTERS, STEP
 
 COUNTERS = {"rejected_samples", "rejected_fixes", "missed_samples"}
 OF_LAST_FIX = "measurement_weight["  # whatever became of it
 WARM_UP = 350  # the next fix comes at 400
-
-FILTERS = [archive.stem for archive in ARCHIVES if archive.stem.endswith("Filter")]
 
 SAMPLES: dict[str, dict[str, Number]] = {
     "angle not finite": {"imu.delta_angle[2]": math.nan},

@@ -7,7 +7,7 @@ import math
 
 import pytest
 from calls import ERROR, OK, Fmu, Instance, Number, run
-from conftest import SAMPLES, STEP
+from conftest import FILTERS, SAMPLES, STEP
 
 
 def switch(instance: Instance, on: bool, *categories: str) -> int:
@@ -28,12 +28,13 @@ def test_steps_are_silent_by_default(fmu: Fmu, signals: list[dict[str, Number]])
         assert instance.journal.lines == []
 
 
+@pytest.mark.parametrize("name", FILTERS)
 def test_bad_data_is_silent_too_unless_asked_for(
-    fmus: dict[str, Fmu], signals: list[dict[str, Number]]
+    fmus: dict[str, Fmu], signals: list[dict[str, Number]], name: str
 ) -> None:
     bad = [{**signals[0], "imu.delta_angle[1]": math.nan}]
     for logging, lines in ((False, 0), (True, 1)):
-        with fmus["AlignmentFilter"].instance(logging) as instance:
+        with fmus[name].instance(logging) as instance:
             run(instance.start(), bad, 0, 1, STEP)
             assert instance.read()["rejected_samples"] == 1
             assert len(instance.journal.lines) == lines
@@ -54,8 +55,9 @@ def test_refusals_are_logged_unless_switched_off(instance: Instance) -> None:
     assert refused(instance) == 1
 
 
-def test_events_can_be_switched(fmus: dict[str, Fmu], signals: list[dict[str, Number]]) -> None:
-    with fmus["AlignmentFilter"].instance() as instance:
+@pytest.mark.parametrize("name", FILTERS)
+def test_events_can_be_switched(fmus: dict[str, Fmu], signals: list[dict[str, Number]], name: str) -> None:
+    with fmus[name].instance() as instance:
         instance.start()
         for index, (on, categories, lines) in enumerate(
             [(True, ("logEvents",), 1), (False, ("logEvents",), 0), (True, ("logAll",), 1), (False, (), 0)]

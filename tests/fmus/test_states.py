@@ -9,34 +9,39 @@ from pathlib import Path
 
 import pytest
 from calls import ERROR, OK, Fmu, Instance, Number, run
-from conftest import SAMPLES, STEP
+from conftest import SAMPLES, STEP, variants
 
 MIDDLE = SAMPLES // 2
 VERSION_OFFSET, VERSION_SIZE = 8, 4
 
 
 def continue_elsewhere(
-    archive: Path, folder: Path, state: bytes, signals: list[dict[str, Number]]
-) -> list[bytes]:
+    archive: Path, folder: Path, states: list[bytes], signals: list[dict[str, Number]]
+) -> list[list[bytes]]:
     """Runs in a process of its own."""
-    with Fmu.loaded(archive, folder).instance() as instance:
-        status, handle = instance.deserialise(state)
-        assert status == OK, instance.journal.last
-        assert instance.restore(handle) == OK, instance.journal.last
-        return run(instance, signals, MIDDLE, SAMPLES, STEP)
+    fmu, continued = Fmu.loaded(archive, folder), []
+    for state in states:
+        with fmu.instance() as instance:
+            status, handle = instance.deserialise(state)
+            assert status == OK, instance.journal.last
+            assert instance.restore(handle) == OK, instance.journal.last
+            continued.append(run(instance, signals, MIDDLE, SAMPLES, STEP))
+    return continued
 
 
 def test_a_run_continues_bit_for_bit_in_another_process(fmu: Fmu, signals: list[dict[str, Number]]) -> None:
-    with fmu.instance() as instance:
-        instance.start()
-        first = run(instance, signals, 0, MIDDLE, STEP)
-        state = instance.serialise()
-        expected = run(instance, signals, MIDDLE, SAMPLES, STEP)
-    assert len(set(first + expected)) > SAMPLES // 200, (
-        "the outputs must move for the comparison to mean anything"
-    )
+    states, expected = [], []
+    for parameters in variants(fmu):
+        with fmu.instance() as instance:
+            instance.start(**parameters)
+            first = run(instance, signals, 0, MIDDLE, STEP)
+            states.append(instance.serialise())
+            expected.append(run(instance, signals, MIDDLE, SAMPLES, STEP))
+        assert len(set(first + expected[-1])) > SAMPLES // 200, (
+            "the outputs must move for the comparison to mean anything"
+        )
     with multiprocessing.get_context("spawn").Pool(1) as process:
-        continued = process.apply(continue_elsewhere, (fmu.archive, fmu.folder, state, signals))
+        continued = process.apply(continue_elsewhere, (fmu.archive, fmu.folder, states, signals))
     assert continued == expected
 
 

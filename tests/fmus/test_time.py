@@ -6,7 +6,7 @@ import math
 
 import pytest
 from calls import ERROR, OK, Fmu, Instance, Number
-from conftest import STEP
+from conftest import FILTERS, STEP
 
 REFUSED = {
     "zero": (0.0, 0.0, "step size = 0: must be greater than 0"),
@@ -64,10 +64,12 @@ def test_a_start_time_other_than_zero(fmu: Fmu) -> None:
             assert instance.read()[name] == pytest.approx(1000.0 + 2 * STEP, abs=1e-9)
 
 
-def align(fmus: dict[str, Fmu], multiple: int, duration: float, start: float = 0.0) -> dict[str, Number]:
+def align(
+    fmus: dict[str, Fmu], name: str, multiple: int, duration: float, start: float = 0.0
+) -> dict[str, Number]:
     """Plant and filter in Gauss-Seidel order; the filter's last outputs and the plant's."""
     size = multiple * STEP
-    with fmus["TruthPlant"].instance() as plant, fmus["AlignmentFilter"].instance() as filter_:
+    with fmus["TruthPlant"].instance() as plant, fmus[name].instance() as filter_:
         plant.start(start)
         truth = plant.read()
         filter_.start(
@@ -90,9 +92,10 @@ def align(fmus: dict[str, Fmu], multiple: int, duration: float, start: float = 0
         return {**plant.read(), **filter_.read()}
 
 
-def test_the_communication_step_does_not_matter(fmus: dict[str, Fmu]) -> None:
+@pytest.mark.parametrize("name", FILTERS)
+def test_the_communication_step_does_not_matter(fmus: dict[str, Fmu], name: str) -> None:
     """Within 0.1 arcmin of heading, at the same instant, from samples of 1, 2, 5 and 10 IMU periods."""
-    results = [align(fmus, multiple, 240.0) for multiple in (1, 2, 5, 10)]
+    results = [align(fmus, name, multiple, 240.0) for multiple in (1, 2, 5, 10)]
     errors = [math.remainder(result["nav.heading"] - result["truth.heading"], math.tau) for result in results]
     truths = [result["truth.heading"] for result in results]
     assert truths == pytest.approx([truths[0]] * 4, abs=1e-12)
@@ -102,8 +105,9 @@ def test_the_communication_step_does_not_matter(fmus: dict[str, Fmu]) -> None:
     assert len({result["used_fixes"] for result in results}) == 1
 
 
-def test_the_start_time_does_not_matter_to_the_filter(fmus: dict[str, Fmu]) -> None:
-    late = align(fmus, 1, 20.0, start=500.0)
+@pytest.mark.parametrize("name", FILTERS)
+def test_the_start_time_does_not_matter_to_the_filter(fmus: dict[str, Fmu], name: str) -> None:
+    late = align(fmus, name, 1, 20.0, start=500.0)
     assert late["nav.time"] == pytest.approx(520.0, abs=1e-9)
     assert late["used_fixes"] == 20
     assert late["rejected_samples"] == 0

@@ -361,6 +361,60 @@ TEST(AlignmentFilterGate, RejectsAnOutlierAndSaysSo) {
     EXPECT_GT(open.filter.outputs.nav.velocity.x(), fed.filter.outputs.nav.velocity.x() + 0.1);
 }
 
+TEST(AlignmentFilterGate, IsOpenedForAStartBeyondItsPrior) {
+    // Heading wrong by 10 times, velocity by 20 times its prior sigma.
+    for (const int patience : {20, 0}) {
+        FedFilter fed;
+        auto& parameters = fed.filter.parameters;
+        parameters.gate.patience = patience;
+        parameters.prior.heading_sigma = 1.0 * kDegree;
+        parameters.prior.velocity_sigma = 0.1;
+        const Session run;
+        run.start(fed);
+        parameters.initial.velocity = {2.0, -2.0, 0.0};
+        fed.filter.initialise(0.0);
+        run.advance(fed, 0, 600 * kRate);
+        const Outputs& outputs = fed.filter.outputs;
+        if (patience == 0) {  // locked out
+            EXPECT_LT(outputs.used_fixes, 10);
+            EXPECT_EQ(fed.log.with("gate.patience"), 0);
+            continue;
+        }
+        EXPECT_GE(fed.log.with("(gate.patience): the prediction is blamed"), 1);
+        EXPECT_GE(outputs.used_fixes, 500);
+        EXPECT_LT(outputs.nav.velocity.norm(), 0.1);
+        EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 0.1 * kDegree);
+        EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 3.0 * outputs.heading_sigma);
+    }
+}
+
+TEST(AlignmentFilterStart, FarFromTheFirstFixIsQuestioned) {
+    for (const double distance : {9e3, 11e3}) {
+        FedFilter fed;
+        const Session run;
+        run.start(fed);
+        fed.filter.parameters.initial.latitude += distance / 6371e3;
+        fed.filter.initialise(0.0);
+        run.advance(fed, 0, 3 * kRate);
+        EXPECT_EQ(fed.log.with("11 km from where the filter is: are initial.latitude"),
+                  distance > 1e4 ? 1 : 0);
+    }
+}
+
+TEST(AlignmentFilterInterval, LongerThanASecondIsWarnedOfOnce) {
+    for (const double step : {1.0, 2.0}) {
+        FedFilter fed;
+        const Session run;
+        run.start(fed);
+        for (int k = 1; k <= 5; ++k) {
+            fed.put_sample(k * step, run.table.increment((k - 1) * step, k * step));
+            fed.step();
+        }
+        EXPECT_EQ(fed.log.with("imu.time = 2 s covers 2 s"), step > 1.0 ? 1 : 0);
+        EXPECT_EQ(fed.log.with("covers"), step > 1.0 ? 1 : 0);
+    }
+}
+
 TEST(AlignmentFilterReset, RepeatsARunBitByBit) {
     FedFilter fed;
     const Session run;
@@ -431,9 +485,17 @@ TEST(AlignmentFilterStatus, GoesFromWaitingOverAligningToConvergedAndCoasting) {
     };
     without_fixes(400 * kRate, 405 * kRate - 1);
     EXPECT_EQ(fed.filter.outputs.status, Status::converged);
+    EXPECT_TRUE(fed.filter.outputs.converged);
     without_fixes(405 * kRate - 1, 405 * kRate + 1);  // coasting.delay = 5 s
     EXPECT_EQ(fed.filter.outputs.status, Status::coasting);
+    EXPECT_FALSE(fed.filter.outputs.converged);
+    EXPECT_EQ(fed.log.with("no longer converged at"), 1);
+    // The hold time begins again with the first fix.
     run.advance(fed, 405 * kRate + 1, 406 * kRate);
+    EXPECT_EQ(fed.filter.outputs.status, Status::aligning);
+    run.advance(fed, 406 * kRate, 426 * kRate - 1);
+    EXPECT_EQ(fed.filter.outputs.status, Status::aligning);
+    run.advance(fed, 426 * kRate - 1, 426 * kRate + 1);
     EXPECT_EQ(fed.filter.outputs.status, Status::converged);
 }
 

@@ -62,6 +62,7 @@ class FedFilter {
         initial.latitude = table.position.latitude;
         initial.longitude = table.position.longitude;
         initial.height = table.position.height;
+        initial.velocity.setZero();
         filter.initialise(0.0);
     }
 

@@ -80,6 +80,7 @@ TEST_P(AnyCorrector, StandsBehindTheGate) {
         RandomCovariance random(GetParam());
         Any corrector;
         corrector.method = method;
+        corrector.patience = 0;  // refusals are not counted
         const RandomMeasurement c(random, 1.0);
         corrector.correct(c.P, c.innovation());
         const auto before = SavedState::of(corrector);
@@ -112,6 +113,40 @@ TEST_P(AnyCorrector, GoesOnFromASavedState) {
         const RandomMeasurement c(random, 5.0);
         EXPECT_TRUE(
             same_estimate(restored.correct(c.P, c.innovation()), original.correct(c.P, c.innovation())));
+    }
+}
+
+TEST_P(AnyCorrector, LosesPatienceWithAGateThatRefusesTooManyInARow) {
+    RandomCovariance random(GetParam());
+    const RandomMeasurement c(random, 0.3);
+    auto beyond = c.innovation();
+    beyond.residual *= 1e3;
+    for (const Method method : kMethods) {
+        Any corrector;
+        corrector.method = method;
+        corrector.patience = 3;
+        ASSERT_TRUE(corrector.gate.admits(c.innovation()));
+        for (int i = 0; i < 100; ++i) {  // isolated ones never
+            corrector.correct(c.P, beyond);
+            corrector.correct(c.P, beyond);
+            EXPECT_FALSE(corrector.out_of_patience());
+            corrector.correct(c.P, c.innovation());
+        }
+        for (int i = 1; i <= 10; ++i) {
+            corrector.correct(c.P, beyond);
+            EXPECT_EQ(corrector.out_of_patience(), i >= 3);
+        }
+        Any restored;
+        restored.patience = 3;
+        SavedState::restore(restored, SavedState::of(corrector));
+        EXPECT_TRUE(restored.out_of_patience());
+        corrector.correct(c.P, c.innovation());
+        EXPECT_FALSE(corrector.out_of_patience());
+        corrector.patience = 0;
+        for (int i = 1; i <= 10; ++i) {
+            corrector.correct(c.P, beyond);
+            EXPECT_FALSE(corrector.out_of_patience());
+        }
     }
 }
 

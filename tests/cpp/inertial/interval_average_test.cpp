@@ -1,4 +1,4 @@
-#include "error_models/interval_average.hpp"
+#include "inertial/interval_average.hpp"
 
 #include <gtest/gtest.h>
 

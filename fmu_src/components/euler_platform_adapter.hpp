@@ -1,0 +1,72 @@
+// The Euler platform models (Zhao 2012) in a filter.
+#pragma once
+
+#include "components/adapter.hpp"
+#include "components/parameter_rules.hpp"
+#include "error_models/euler_platform.hpp"
+
+namespace truenorth {
+
+template <>
+struct Adapter<EulerPlatform> {
+    static constexpr Block attitude{.first = EulerPlatform::kAlphaX, .count = 3};
+    static constexpr Block velocity{.first = EulerPlatform::kVelocityEast, .count = 3};
+    static constexpr Block position{};
+    static constexpr Block gyro{};
+    static constexpr Block accelerometer{};
+
+    template <class Parameters>
+    static bool is_chosen(const Parameters& p) {
+        using Chosen = decltype(p.error_model);
+        return p.error_model == Chosen::euler_platform ||
+               p.error_model == Chosen::euler_platform_large_azimuth ||
+               p.error_model == Chosen::euler_platform_small;
+    }
+
+    template <class Parameters>
+    static void check(const Parameters& p) {
+        if (p.velocity_form != decltype(p.velocity_form)::transposed) {
+            rules::refuse("velocity_form", static_cast<int>(p.velocity_form),
+                          "transposed (1) unless error_model is large_azimuth: the Euler models have one "
+                          "right form");
+        }
+        for (int i = 0; i < 3; ++i) {
+            if (p.initial.velocity[i] != 0.0) {
+                rules::refuse(text("initial.velocity[", i + 1, "]"), p.initial.velocity[i],
+                              "0 unless error_model is large_azimuth: the Euler models are for a stationary "
+                              "base");
+            }
+            if (p.gnss.lever_arm[i] != 0.0) {
+                rules::refuse(text("gnss.lever_arm[", i + 1, "]"), p.gnss.lever_arm[i],
+                              "0 unless error_model is large_azimuth: the Euler models measure the IMU's "
+                              "velocity");
+            }
+        }
+    }
+
+    template <class Parameters>
+    static void configure(EulerPlatform& model, const Parameters& p) {
+        using Chosen = decltype(p.error_model);
+        switch (p.error_model) {
+            case Chosen::euler_platform_large_azimuth:
+                model.form = Misalignment::large_azimuth;
+                break;
+            case Chosen::euler_platform_small:
+                model.form = Misalignment::small;
+                break;
+            default:
+                model.form = Misalignment::large;
+                break;
+        }
+        model.noise = {.angle_random_walk = p.process.angle_random_walk,
+                       .velocity_random_walk = p.process.velocity_random_walk,
+                       .velocity_sigma = p.measurement.velocity_sigma};
+    }
+
+    template <class Port>
+    static EulerPlatform::Fix fix_of(const Sighting& seen, const Port& /*gnss*/) {
+        return {.velocity = seen.then.velocity - seen.fix.velocity};
+    }
+};
+
+}  // namespace truenorth

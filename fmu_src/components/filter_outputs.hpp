@@ -1,0 +1,83 @@
+// From an engine to the outputs that the inertial filters share (modelDescription/shared).
+#pragma once
+
+#include "components/engine.hpp"
+#include "estimation/innovation_gate.hpp"
+
+namespace truenorth {
+
+// The navigation state and what is known of it.
+template <class Outputs, class Engine, class Parameters>
+void publish_estimate(Outputs& outputs, const Engine& engine, double time, const Parameters& p) {
+    using Where = typename Engine::Where;
+    const NavigationState best = engine.best();
+    const EulerAngles angles = euler_angles(best.q_bn.toRotationMatrix());
+    auto& nav = outputs.nav;
+    nav.time = time;
+    nav.roll = angles.roll;
+    nav.pitch = angles.pitch;
+    nav.heading = angles.heading;
+    nav.velocity = best.velocity;
+    nav.latitude = best.position.latitude;
+    nav.longitude = best.position.longitude;
+    nav.height = best.position.height;
+
+    const Vector<Engine::kStates> sigma = engine.estimator.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    outputs.misalignment = engine.misalignment();
+    outputs.misalignment_sigma = components(sigma, Where::attitude);
+    outputs.heading_sigma = outputs.misalignment_sigma.z();
+    outputs.velocity_sigma = components(sigma, Where::velocity);
+    outputs.gyro_bias = engine.gyro_bias();
+    outputs.gyro_bias_sigma = components(sigma, Where::gyro, p.prior.gyro_bias_sigma);
+    outputs.accelerometer_bias = engine.accelerometer_bias();
+    outputs.accelerometer_bias_sigma =
+        components(sigma, Where::accelerometer, p.prior.accelerometer_bias_sigma);
+    if constexpr (requires { outputs.position_sigma; }) {
+        outputs.position_sigma = components(sigma, Where::position);
+    }
+    if constexpr (requires { outputs.covariance; }) {
+        outputs.covariance = handed_covariance<Where>(engine.estimator.covariance, p);
+    }
+    if constexpr (requires { engine.adapter.publish(outputs, engine.estimator.state, sigma); }) {
+        engine.adapter.publish(outputs, engine.estimator.state, sigma);
+    }
+}
+
+// The elements of `output` that belong to the measurements; the others are zero.
+template <class Where, int M, class Output>
+void spread_out(Output& output, const Vector<M>& measurements) {
+    output.setZero();
+    for (int i = 0; i < M; ++i) {
+        if constexpr (requires { Where::slot(i); }) {
+            output(Where::slot(i)) = measurements(i);
+        } else {
+            output(i) = measurements(i);
+        }
+    }
+}
+
+// What a fix brought.
+template <class Where, class Outputs, int N, int M>
+void publish_innovation(Outputs& outputs, const Innovation<N, M>& innovation) {
+    const Vector<M> present = innovation.present.template cast<double>().matrix();
+    const Vector<M> sigma = (innovation.spread + innovation.noise).diagonal().cwiseSqrt();
+    spread_out<Where, M>(outputs.innovation, innovation.residual);
+    spread_out<Where, M>(outputs.innovation_sigma, sigma.cwiseProduct(present));
+    outputs.nis = nis(innovation);
+    outputs.nis_channels = innovation.channels();
+}
+
+// What a corrector made of it.
+template <class Where, class Outputs, int N, int M>
+void publish_correction(Outputs& outputs, const Correction<N, M>& correction, bool h_infinity) {
+    const Vector<M> sigma = correction.noise.diagonal().cwiseSqrt();
+    const Vector<M> measured = (correction.weight.array() > 0.0).template cast<double>().matrix();
+    ++outputs.used_fixes;
+    spread_out<Where, M>(outputs.measurement_weight, correction.weight);
+    spread_out<Where, M>(outputs.measurement_sigma_estimate, sigma.cwiseProduct(measured));
+    outputs.adaptive.alpha = correction.alpha;
+    outputs.robust.feasible = correction.feasible;
+    outputs.robust.gamma_effective = h_infinity && correction.feasible ? correction.gamma_effective : 0.0;
+}
+
+}  // namespace truenorth

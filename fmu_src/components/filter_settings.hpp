@@ -1,0 +1,154 @@
+// From the parameters of an inertial filter to the settings of an engine. The declarations that the filters
+// share (modelDescription/shared) make these templates fit each of them.
+#pragma once
+
+#include <cmath>
+
+#include "components/engine.hpp"
+#include "components/parameter_rules.hpp"
+
+namespace truenorth {
+
+// Rules between shared parameters. Throws InvalidParameter.
+template <class Parameters>
+void check_settings(const Parameters& p) {
+    if (p.robust.heading_sigma > 0.0 && p.robust.heading_sigma < p.prior.heading_sigma) {
+        rules::refuse("robust.heading_sigma", p.robust.heading_sigma,
+                      text("0 or at least prior.heading_sigma = ", p.prior.heading_sigma));
+    }
+    if (p.igg.k1 <= p.igg.k0) {
+        rules::refuse("igg.k1", p.igg.k1, text("greater than igg.k0 = ", p.igg.k0));
+    }
+}
+
+template <class Parameters>
+Predictor predictor_of(const Parameters& p) {
+    using Chosen = decltype(p.predictor);
+    const UnscentedParameters unscented{
+        .alpha = p.unscented.alpha, .beta = p.unscented.beta, .kappa = p.unscented.kappa};
+    switch (p.predictor) {
+        case Chosen::linearised:
+            return Linearised();
+        case Chosen::unscented:
+            break;
+        case Chosen::augmented:
+            return Augmented(unscented);
+    }
+    return Unscented(unscented);
+}
+
+template <class Parameters>
+Discretisation discretisation_of(const Parameters& p) {
+    return p.discretisation == decltype(p.discretisation)::euler ? Discretisation::euler
+                                                                 : Discretisation::runge_kutta;
+}
+
+template <class Engine, class Parameters>
+Vector<Engine::kStates> prior_sigma_of(const Parameters& p) {
+    using Where = typename Engine::Where;
+    Vector<Engine::kStates> sigma = Vector<Engine::kStates>::Zero();
+    const auto set = [&](Block block, double value) {
+        sigma.segment(block.first, block.count).setConstant(value);
+    };
+    set(Where::velocity, p.prior.velocity_sigma);
+    set(Where::gyro, p.prior.gyro_bias_sigma);
+    set(Where::accelerometer, p.prior.accelerometer_bias_sigma);
+    set(Where::attitude, p.prior.tilt_sigma);
+    sigma(Where::attitude.first + 2) = p.prior.heading_sigma;
+    if constexpr (Where::position.count == 3) {
+        set(Where::position, p.prior.position_sigma);
+        sigma(Where::position.first + 2) = p.prior.height_sigma;
+    }
+    if constexpr (requires { Where::set_prior(sigma, p); }) {
+        Where::set_prior(sigma, p);
+    }
+    return sigma;
+}
+
+template <class Corrector, class Parameters>
+void configure_corrector(Corrector& corrector, const Parameters& p) {
+    using Chosen = decltype(p.corrector);
+    using Method = typename Corrector::Method;
+    switch (p.corrector) {
+        case Chosen::standard:
+            corrector.method = Method::standard;
+            break;
+        case Chosen::h_infinity:
+            corrector.method = Method::h_infinity;
+            break;
+        case Chosen::igg:
+            corrector.method = Method::igg;
+            break;
+        case Chosen::adaptive_factor:
+            corrector.method = Method::adaptive_factor;
+            break;
+        case Chosen::variational_bayes:
+            corrector.method = Method::variational_bayes;
+            break;
+    }
+    corrector.gate.enabled = p.gate.enabled;
+    corrector.gate.threshold = p.gate.threshold;
+    corrector.patience = p.gate.patience;
+    corrector.igg.k0 = p.igg.k0;
+    corrector.igg.k1 = p.igg.k1;
+    corrector.igg.patience = p.igg.patience;
+    auto& adaptive = corrector.adaptive_factor;
+    adaptive.form = p.adaptive.form == decltype(p.adaptive.form)::printed ? AdaptiveFactor::Form::printed
+                                                                          : AdaptiveFactor::Form::unit_free;
+    adaptive.threshold = p.adaptive.threshold;
+    auto& bayes = corrector.variational_bayes;
+    using BayesForm = typename std::remove_reference_t<decltype(bayes)>::Form;
+    const auto& variational_bayes = p.variational_bayes;
+    bayes.form = variational_bayes.form == decltype(variational_bayes.form)::printed ? BayesForm::printed
+                                                                                     : BayesForm::corrected;
+    bayes.rho = variational_bayes.rho;
+    bayes.iterations = variational_bayes.iterations;
+}
+
+// L and the ceiling of the H-infinity update, `elapsed` seconds after the last one.
+template <class Engine, class Parameters>
+void scale_h_infinity(Engine& engine, const Parameters& p, double elapsed) {
+    using Scaling = decltype(p.robust.scaling);
+    auto& h_infinity = engine.corrector.h_infinity;
+    h_infinity.gamma = p.robust.gamma;
+    constexpr int heading = Engine::Where::attitude.first + 2;
+    Vector<Engine::kStates> sigma = engine.prior_sigma;
+    if (p.robust.heading_sigma > 0.0) {
+        sigma(heading) = p.robust.heading_sigma;
+    }
+    h_infinity.ceiling = std::nullopt;
+    switch (p.robust.scaling) {
+        case Scaling::printed:
+            h_infinity.scale.setOnes();
+            break;
+        case Scaling::rate_invariant:
+            h_infinity.scale = std::sqrt(elapsed / p.robust.horizon) * sigma.cwiseInverse();
+            break;
+        case Scaling::ceiling:
+            h_infinity.scale = sigma.cwiseInverse();
+            h_infinity.ceiling = {.sigma = sigma, .limit = p.robust.ceiling};
+            break;
+    }
+    if (p.robust.states == decltype(p.robust.states)::heading) {
+        const double protected_scale = h_infinity.scale(heading);
+        h_infinity.scale.setZero();
+        h_infinity.scale(heading) = protected_scale;
+    }
+}
+
+template <class Engine, class Parameters>
+void configure(Engine& engine, const Parameters& p) {
+    auto& model = engine.estimator.model;
+    engine.adapter.configure(model, p);
+    if constexpr (requires { model.discretisation; }) {
+        model.discretisation = discretisation_of(p);
+    }
+    if constexpr (requires { p.feedback; }) {
+        engine.feedback = p.feedback;
+    }
+    engine.estimator.predictor = predictor_of(p);
+    engine.prior_sigma = prior_sigma_of<Engine>(p);
+    configure_corrector(engine.corrector, p);
+}
+
+}  // namespace truenorth

@@ -1,0 +1,48 @@
+// What an inertial filter is doing: waiting, aligning, converged, coasting or faulted.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+namespace truenorth {
+
+class FilterStatus {
+  public:
+    // Numbered as the items of the enumeration Status of the interface.
+    enum class State : std::uint8_t { waiting = 1, aligning, converged, coasting, faulted };
+
+    struct Rules {
+        double heading_sigma;   // below it the heading may count as converged [rad]
+        double hold_time;       // when it has stayed so for this long [s]
+        double coasting_delay;  // without a fix for longer, the filter coasts [s]
+    };
+
+    void start(double time);
+
+    // A fix has corrected the estimate at `time`.
+    void use_fix(double time);
+
+    // The estimate cannot be used any more.
+    void fault() { faulted_ = true; }
+    [[nodiscard]] bool faulted() const { return faulted_; }
+
+    // Since the last fix used, or the start [s].
+    [[nodiscard]] double since_fix(double now) const { return now - last_use_; }
+
+    // `sensing`: an IMU sample has been accepted. Call after every step.
+    State judge(double now, bool sensing, double heading_sigma, const Rules& rules);
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(last_use_, below_since_, used_, faulted_);
+    }
+
+  private:
+    double last_use_ = 0.0;  // time of the last fix used, or the start [s]
+    // Since when the heading is good enough and fixes confirm it [s]; NaN: it is not.
+    double below_since_ = std::numeric_limits<double>::quiet_NaN();
+    bool used_ = false;
+    bool faulted_ = false;
+};
+
+}  // namespace truenorth

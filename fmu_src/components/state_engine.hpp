@@ -1,0 +1,66 @@
+// A model at work whose state is the navigation state: its sigma points are mechanised, increment by
+// increment, and a correction moves the state itself.
+#pragma once
+
+#include "components/engine.hpp"
+
+namespace truenorth {
+
+template <ErrorModel M>
+    requires std::same_as<typename M::State, NavigationState>
+class StateEngine : public Engine<M> {
+  public:
+    using Base = Engine<M>;
+    using Base::estimator;
+    using typename Base::Where;
+
+    void start(const Start& start) {
+        this->set_out(start);
+        estimator.state = start.state;
+    }
+
+    // Carries state and covariance over an increment.
+    Prediction mechanise(const ImuIncrement& increment) {
+        const ImuIncrement compensated = this->compensated(increment);
+        const Prediction prediction =
+            estimator.predict({.mechanisation = mechanisation_, .increment = compensated});
+        mechanisation_.advance(compensated);
+        mechanisation_.state = estimator.state;
+        return prediction;
+    }
+
+    // Nothing waits: every increment has been predicted.
+    [[nodiscard]] static double pending() { return 0.0; }
+    [[nodiscard]] static Prediction predict() { return Prediction::sound; }
+
+    [[nodiscard]] auto innovate(const Sighting& /*seen*/, const typename M::Fix& fix) const {
+        return estimator.innovate(fix);
+    }
+
+    // Corrects the state. The correction must have been used.
+    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction) {
+        const NavigationState before = estimator.state;
+        estimator.apply(correction);
+        mechanisation_.state = estimator.state;
+        if (!estimator.state.q_bn.coeffs().allFinite() || !estimator.state.velocity.allFinite() ||
+            !estimator.covariance.allFinite()) {
+            return {.finite = false};
+        }
+        this->found_ = -components(correction.deviation, Where::attitude);
+        return Change::between(before, estimator.state);
+    }
+
+    [[nodiscard]] const NavigationState& best() const { return estimator.state; }
+
+    // As handed over: the model does not estimate them.
+    [[nodiscard]] const Eigen::Vector3d& gyro_bias() const { return this->gyro_bias_; }
+    [[nodiscard]] const Eigen::Vector3d& accelerometer_bias() const { return this->accelerometer_bias_; }
+
+    // What the last fix found [rad].
+    [[nodiscard]] const Eigen::Vector3d& misalignment() const { return this->found_; }
+
+  private:
+    using Base::mechanisation_;
+};
+
+}  // namespace truenorth

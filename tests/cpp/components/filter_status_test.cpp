@@ -1,0 +1,64 @@
+#include "components/filter_status.hpp"
+
+#include <gtest/gtest.h>
+
+namespace truenorth {
+namespace {
+
+using State = FilterStatus::State;
+constexpr FilterStatus::Rules kRules{.heading_sigma = 0.01, .hold_time = 10.0, .coasting_delay = 5.0};
+constexpr double kGood = 0.009;
+constexpr double kPoor = 0.01;
+
+// Fixes every second from `from` to `to`; the last state.
+State with_fixes(FilterStatus& status, int from, int to, double heading_sigma) {
+    State state = State::waiting;
+    for (int second = from; second <= to; ++second) {
+        status.use_fix(second);
+        state = status.judge(second, true, heading_sigma, kRules);
+    }
+    return state;
+}
+
+TEST(FilterStatus, WaitsForSamplesAndFixes) {
+    FilterStatus status;
+    status.start(0.0);
+    EXPECT_EQ(status.judge(0.0, false, kGood, kRules), State::waiting);
+    EXPECT_EQ(status.judge(100.0, true, kGood, kRules), State::waiting);
+    status.use_fix(100.0);
+    EXPECT_EQ(status.judge(100.0, true, kGood, kRules), State::aligning);
+}
+
+TEST(FilterStatus, ConvergesWhenTheHeadingHasBeenGoodForLongEnough) {
+    FilterStatus status;
+    status.start(0.0);
+    EXPECT_EQ(with_fixes(status, 1, 30, kPoor), State::aligning);
+    EXPECT_EQ(with_fixes(status, 31, 40, kGood), State::aligning);
+    EXPECT_EQ(with_fixes(status, 41, 41, kGood), State::converged);
+    EXPECT_EQ(with_fixes(status, 42, 42, kPoor), State::aligning);
+    EXPECT_EQ(with_fixes(status, 43, 52, kGood), State::aligning);
+    EXPECT_EQ(with_fixes(status, 53, 53, kGood), State::converged);
+}
+
+TEST(FilterStatus, OfACoastingFilterIsNotConvergedAndTheHoldTimeBeginsAgain) {
+    FilterStatus status;
+    status.start(0.0);
+    ASSERT_EQ(with_fixes(status, 1, 20, kGood), State::converged);
+    EXPECT_EQ(status.judge(25.0, true, kGood, kRules), State::converged);
+    EXPECT_EQ(status.judge(25.1, true, kGood, kRules), State::coasting);
+    EXPECT_EQ(with_fixes(status, 30, 39, kGood), State::aligning);
+    EXPECT_EQ(with_fixes(status, 40, 40, kGood), State::converged);
+}
+
+TEST(FilterStatus, OfAFaultIsFinalUntilTheNextStart) {
+    FilterStatus status;
+    status.start(0.0);
+    ASSERT_EQ(with_fixes(status, 1, 20, kGood), State::converged);
+    status.fault();
+    EXPECT_EQ(with_fixes(status, 21, 60, kGood), State::faulted);
+    status.start(60.0);
+    EXPECT_EQ(with_fixes(status, 61, 71, kGood), State::converged);
+}
+
+}  // namespace
+}  // namespace truenorth
