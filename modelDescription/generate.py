@@ -1,7 +1,8 @@
 """Write what follows from a component's declaration: C++, modelDescription.xml and the documentation page.
 
     generate.py code <Name>.toml <folder>           variables.hpp, variable_table.cpp
-    generate.py description <Name>.toml <folder>    modelDescription.xml, documentation/index.html, guid.cpp
+    generate.py description <Name>.toml <folder>    fmi2/, fmi3/ (modelDescription.xml, terminals and icons),
+                                                    documentation/index.html, guid.cpp
 
 Everything goes to <folder>/<Name>/.
 """
@@ -18,9 +19,11 @@ from pathlib import Path
 import jinja2
 from declaration import Declaration, DeclarationError
 from fmi2 import Fmi2
+from fmi3 import Fmi3
 from markupsafe import Markup
 from reading import read
 from structs import Cpp, nest
+from terminals import terminals
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent
@@ -64,17 +67,16 @@ def code(declaration: Declaration) -> dict[str, str]:
 
 def description(declaration: Declaration, product: Product, sources: list[Path]) -> dict[str, str]:
     """Files that describe the FMU; the guid is a hash of them and of the sources."""
-    fmi2 = Fmi2(declaration)
+    fmi2, fmi3 = Fmi2(declaration), Fmi3(declaration)
 
-    def model_description(guid: str) -> str:
-        return render(
-            "modelDescription.xml",
-            declaration,
-            product=product,
-            guid=guid,
-            start=fmi2.start,
-            dependencies=fmi2.dependencies,
-        )
+    def interfaces(guid: str) -> dict[str, str]:
+        about = {"product": product, "guid": guid}
+        return {
+            "fmi2/modelDescription.xml": render("modelDescription.xml", declaration, fmi2=fmi2, **about),
+            "fmi3/modelDescription.xml": render("modelDescription3.xml", declaration, fmi3=fmi3, **about),
+            "fmi2/terminalsAndIcons.xml": ports(declaration, arrays=False),
+            "fmi3/terminalsAndIcons.xml": ports(declaration, arrays=True),
+        }
 
     page = render(
         "index.html",
@@ -83,13 +85,17 @@ def description(declaration: Declaration, product: Product, sources: list[Path])
         icon=Markup((HERE / "documentation" / f"{declaration.name}.svg").read_text(encoding="utf-8")),
         theory=Markup((HERE / "documentation" / f"{declaration.name}.html").read_text(encoding="utf-8")),
     )
-    parts = [model_description(""), page, *code(declaration).values()]
-    guid = content_hash(parts, sources)
+    guid = content_hash([*interfaces("").values(), page, *code(declaration).values()], sources)
     return {
-        "modelDescription.xml": model_description(guid),
+        **interfaces(guid),
         "documentation/index.html": page,
         "guid.cpp": render("guid.cpp", declaration, guid=guid),
     }
+
+
+def ports(declaration: Declaration, *, arrays: bool) -> str:
+    """Terminals of the component."""
+    return render("terminalsAndIcons.xml", declaration, terminals=terminals(declaration, arrays=arrays))
 
 
 def content_hash(parts: list[str], sources: list[Path]) -> str:

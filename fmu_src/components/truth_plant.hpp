@@ -40,6 +40,9 @@ class TruthPlant {
     // on the way, and the run is over then.
     void step(double time, double step);
 
+    // Of the IMU [s].
+    [[nodiscard]] double sample_period() const { return 1.0 / parameters.imu.rate; }
+
     // The complete state, as bytes; what follows from the parameters is made anew.
     template <class Archive>
     void serialize(Archive& archive) {

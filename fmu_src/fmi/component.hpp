@@ -22,6 +22,8 @@ class Component {
     Component& operator=(Component&&) = delete;
     virtual ~Component() = default;
 
+    // Number of scalars; their references count from 0.
+    [[nodiscard]] virtual unsigned size() const = 0;
     // nullptr: there is no such reference.
     [[nodiscard]] virtual const Variable* find(unsigned reference) const = 0;
 
@@ -35,6 +37,8 @@ class Component {
 
     virtual void initialise(double start_time) = 0;
     virtual void step(double time, double size) = 0;
+    // Time between two samples [s], once the parameters are set: that of the time events in model exchange.
+    [[nodiscard]] virtual double sample_period() const = 0;
 
     virtual void save(std::ostream& stream) const = 0;
     virtual void load(std::istream& stream) = 0;
@@ -50,11 +54,15 @@ class Component {
     virtual void retune_with(std::function<void()> change) = 0;
 };
 
-// A component of the class C, through its generated table.
+// A component of the class C, through its generated table. It is sampled each `period` [s] unless it says
+// otherwise.
 template <class C>
 class TabledComponent final : public Component {
   public:
-    TabledComponent(std::span<const Row<C>> table, Log& log) : table_(table), component_(log) {}
+    TabledComponent(std::span<const Row<C>> table, double period, Log& log)
+        : table_(table), period_(period), component_(log) {}
+
+    [[nodiscard]] unsigned size() const override { return static_cast<unsigned>(table_.size()); }
 
     [[nodiscard]] const Variable* find(unsigned reference) const override {
         return reference < table_.size() ? &table_[reference].variable : nullptr;
@@ -69,6 +77,14 @@ class TabledComponent final : public Component {
 
     void initialise(double start_time) override { component_.initialise(start_time); }
     void step(double time, double size) override { component_.step(time, size); }
+
+    [[nodiscard]] double sample_period() const override {
+        if constexpr (requires { component_.sample_period(); }) {
+            return component_.sample_period();
+        } else {
+            return period_;
+        }
+    }
 
     void save(std::ostream& stream) const override { cereal::BinaryOutputArchive{stream}(component_); }
 
@@ -98,6 +114,7 @@ class TabledComponent final : public Component {
     }
 
     std::span<const Row<C>> table_;
+    double period_;
     C component_;
 };
 

@@ -1,68 +1,24 @@
-// FMI 2.0 for co-simulation, written once for every component: each function checks its pointers, delegates
-// to the Instance, and turns what that throws into fmi2Error and a line of the log. No exception leaves this
-// file.
-#include <algorithm>
-#include <exception>
-#include <limits>
-#include <memory>
+// FMI 2.0 for co-simulation and model exchange, written once for every component: each function checks its
+// pointers and delegates to the Instance (c_interface.hpp).
 #include <optional>
-#include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
-#include "fmi/fmu.hpp"
-#include "fmi/instance.hpp"
-#include "fmi/refusal.hpp"
+#include "fmi/c_interface.hpp"
 #include "fmi2Functions.h"
 
-using truenorth::fmi::Instance;
-using truenorth::fmi::Journal;
-using truenorth::fmi::Refusal;
-using truenorth::fmi::State;
+using namespace truenorth::fmi;  // NOLINT(google-build-using-namespace): this file is its C face
 
 namespace {
 
 static_assert(sizeof(fmi2ValueReference) == sizeof(unsigned));
 
-// Runs `body` on the instance; a refusal becomes a line "<function>: <why>" and fmi2Error.
 template <class Body>
 fmi2Status guarded(fmi2Component component, const char* function, Body body) noexcept {
-    if (component == nullptr) {
-        return fmi2Error;
-    }
-    auto& instance = *static_cast<Instance*>(component);
-    try {
-        try {
-            body(instance);
-            return fmi2OK;
-        } catch (const std::exception& reason) {
-            instance.journal().error(std::string(function) + ": " + reason.what());
-        }
-    } catch (...) {  // no memory for the line, or a logger that throws: the status must do
-        return fmi2Error;
-    }
-    return fmi2Error;
+    return succeeds(component, function, body) ? fmi2OK : fmi2Error;
 }
 
 fmi2Status refused(fmi2Component component, const char* function, const char* reason) noexcept {
     return guarded(component, function, [&](Instance&) { throw Refusal(reason); });
-}
-
-template <class T>
-T& present(T* pointer, const char* name) {
-    if (pointer == nullptr) {
-        throw Refusal(std::string(name) + " is NULL");
-    }
-    return *pointer;
-}
-
-template <class T>
-std::span<T> array(T* pointer, std::size_t size, const char* name) {
-    if (pointer == nullptr && size > 0) {
-        throw Refusal(std::string(name) + " is NULL");
-    }
-    return {pointer, size};
 }
 
 template <class T, class External>
@@ -81,6 +37,10 @@ fmi2Status set(fmi2Component component, const char* function, const fmi2ValueRef
     });
 }
 
+fmi2Status none(fmi2Component component, const char* function, std::size_t count) noexcept {
+    return guarded(component, function, [&](Instance& instance) { instance.require_none(count); });
+}
+
 // The log of one instance as the environment wants it.
 Journal::Sink sink_of(const fmi2CallbackFunctions& environment, std::string instance_name) {
     return [log = environment.logger, context = environment.componentEnvironment,
@@ -91,25 +51,7 @@ Journal::Sink sink_of(const fmi2CallbackFunctions& environment, std::string inst
     };
 }
 
-void require_instantiable(const char* instance_name, fmi2Type type, const char* guid) {
-    if (instance_name == nullptr || *instance_name == '\0') {
-        throw Refusal("instanceName is NULL or empty");
-    }
-    if (type != fmi2CoSimulation) {
-        throw Refusal("fmuType: this FMU is for co-simulation only");
-    }
-    const std::string_view expected = truenorth::fmi::this_fmu().identity.guid;
-    if (guid == nullptr || expected != guid) {
-        throw Refusal("fmuGUID = " + std::string(guid == nullptr ? "NULL" : guid) + ": this FMU is " +
-                      std::string(expected) +
-                      "; modelDescription.xml and the binary belong to different builds");
-    }
-}
-
-State* state_of(fmi2FMUstate state) { return static_cast<State*>(state); }
-
 constexpr const char* no_strings = "this FMU has no variables of type String";
-constexpr const char* co_simulation_only = "this FMU is for co-simulation only";
 constexpr const char* nothing_pending = "no step is ever pending: fmi2DoStep finishes before it returns";
 
 }  // namespace
@@ -124,11 +66,7 @@ const char* fmi2GetVersion() { return fmi2Version; }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[]) {
     return guarded(c, "fmi2SetDebugLogging", [&](Instance& instance) {
-        std::vector<std::string_view> names;
-        for (const fmi2String name : array(categories, count, "categories")) {
-            names.emplace_back(&present(name, "a category"));
-        }
-        instance.journal().enable(on != fmi2False, names);
+        enable_log(instance, on != fmi2False, array(categories, count, "categories"));
     });
 }
 
@@ -140,23 +78,20 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (functions == nullptr || functions->logger == nullptr) {
         return nullptr;
     }
+    const Request request{.function = "fmi2Instantiate",
+                          .kind = type == fmi2ModelExchange ? Kind::model_exchange : Kind::co_simulation,
+                          .instance_name = name,
+                          .token_name = "fmuGUID",
+                          .token = guid,
+                          .logging = logging != fmi2False};
     try {
-        const auto sink = sink_of(*functions, name == nullptr ? "" : name);
-        try {
-            require_instantiable(name, type, guid);
-            return std::make_unique<Instance>(truenorth::fmi::this_fmu(), sink, logging != fmi2False)
-                .release();
-        } catch (const std::exception& reason) {
-            Journal(sink, truenorth::fmi::this_fmu().log, false)
-                .error(std::string("fmi2Instantiate: ") + reason.what());
-        }
-    } catch (...) {  // no memory for the line, or a logger that throws
+        return instantiate(request, sink_of(*functions, name == nullptr ? "" : name), [] {});
+    } catch (...) {  // no memory for the name
         return nullptr;
     }
-    return nullptr;
 }
 
-void fmi2FreeInstance(fmi2Component c) { const std::unique_ptr<Instance> last(static_cast<Instance*>(c)); }
+void fmi2FreeInstance(fmi2Component c) { free_instance(c); }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean /*tolerance_defined*/, fmi2Real /*tolerance*/,
                                fmi2Real start, fmi2Boolean stop_defined, fmi2Real stop) {
@@ -230,50 +165,33 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference /*vr*/[], siz
 // ------------------------------------------------------------------ stored states
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {
-    return guarded(c, "fmi2GetFMUstate", [&](Instance& instance) {
-        auto& handle = present(state, "FMUstate");
-        handle = instance.save(state_of(handle));
-    });
+    return guarded(c, "fmi2GetFMUstate", [&](Instance& instance) { save_state(instance, state); });
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
-    return guarded(c, "fmi2SetFMUstate", [&](Instance& instance) { instance.restore(state_of(state)); });
+    return guarded(c, "fmi2SetFMUstate",
+                   [&](Instance& instance) { instance.restore(static_cast<State*>(state)); });
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* state) {
-    return guarded(c, "fmi2FreeFMUstate", [&](Instance& instance) {
-        if (state == nullptr) {
-            return;
-        }
-        instance.release(state_of(*state));
-        *state = nullptr;
-    });
+    return guarded(c, "fmi2FreeFMUstate", [&](Instance& instance) { free_state(instance, state); });
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t* size) {
     return guarded(c, "fmi2SerializedFMUstateSize", [&](Instance& instance) {
-        present(size, "size") = instance.bytes(state_of(state)).size();
+        present(size, "size") = instance.bytes(static_cast<State*>(state)).size();
     });
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
-    return guarded(c, "fmi2SerializeFMUstate", [&](Instance& instance) {
-        const auto stored = instance.bytes(state_of(state));
-        const auto buffer = array(bytes, size, "serializedState");
-        if (buffer.size() < stored.size()) {
-            throw Refusal("the buffer has " + std::to_string(size) + " bytes, the state needs " +
-                          std::to_string(stored.size()));
-        }
-        std::ranges::copy(stored, buffer.begin());
-    });
+    return guarded(c, "fmi2SerializeFMUstate",
+                   [&](Instance& instance) { serialise_state(instance, state, bytes, size); });
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
                                    fmi2FMUstate* state) {
-    return guarded(c, "fmi2DeSerializeFMUstate", [&](Instance& instance) {
-        auto& handle = present(state, "FMUstate");
-        handle = instance.import_state(array(bytes, size, "serializedState"));
-    });
+    return guarded(c, "fmi2DeSerializeFMUstate",
+                   [&](Instance& instance) { deserialise_state(instance, bytes, size, state); });
 }
 
 // ------------------------------------------------------------------ co-simulation
@@ -333,44 +251,56 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 // ------------------------------------------------------------------ model exchange
 
 fmi2Status fmi2EnterEventMode(fmi2Component c) {
-    return refused(c, "fmi2EnterEventMode", co_simulation_only);
+    return guarded(c, "fmi2EnterEventMode", [](Instance& instance) { instance.enter_event(); });
 }
 
-fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo* /*info*/) {
-    return refused(c, "fmi2NewDiscreteStates", co_simulation_only);
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo* info) {
+    return guarded(c, "fmi2NewDiscreteStates", [&](Instance& instance) {
+        auto& result = present(info, "fmi2eventInfo");
+        instance.update_discrete_states();
+        result = {.newDiscreteStatesNeeded = fmi2False,
+                  .terminateSimulation = fmi2False,
+                  .nominalsOfContinuousStatesChanged = fmi2False,
+                  .valuesOfContinuousStatesChanged = fmi2False,
+                  .nextEventTimeDefined = fmi2True,
+                  .nextEventTime = instance.next_event()};
+    });
 }
 
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
-    return refused(c, "fmi2EnterContinuousTimeMode", co_simulation_only);
+    return guarded(c, "fmi2EnterContinuousTimeMode", [](Instance& instance) { instance.enter_continuous(); });
 }
 
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean /*no_earlier_state*/,
-                                       fmi2Boolean* /*event_mode*/, fmi2Boolean* /*terminate*/) {
-    return refused(c, "fmi2CompletedIntegratorStep", co_simulation_only);
+                                       fmi2Boolean* event_mode, fmi2Boolean* terminate) {
+    return guarded(c, "fmi2CompletedIntegratorStep", [&](Instance& instance) {
+        present(terminate, "terminateSimulation") = fmi2False;
+        present(event_mode, "enterEventMode") = instance.completed_integrator_step() ? fmi2True : fmi2False;
+    });
 }
 
-fmi2Status fmi2SetTime(fmi2Component c, fmi2Real /*time*/) {
-    return refused(c, "fmi2SetTime", co_simulation_only);
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
+    return guarded(c, "fmi2SetTime", [&](Instance& instance) { instance.set_time(time); });
 }
 
-fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real /*x*/[], size_t /*nx*/) {
-    return refused(c, "fmi2SetContinuousStates", co_simulation_only);
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real /*x*/[], size_t nx) {
+    return none(c, "fmi2SetContinuousStates", nx);
 }
 
-fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real /*derivatives*/[], size_t /*nx*/) {
-    return refused(c, "fmi2GetDerivatives", co_simulation_only);
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real /*derivatives*/[], size_t nx) {
+    return none(c, "fmi2GetDerivatives", nx);
 }
 
-fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real /*indicators*/[], size_t /*ni*/) {
-    return refused(c, "fmi2GetEventIndicators", co_simulation_only);
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real /*indicators*/[], size_t ni) {
+    return none(c, "fmi2GetEventIndicators", ni);
 }
 
-fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real /*x*/[], size_t /*nx*/) {
-    return refused(c, "fmi2GetContinuousStates", co_simulation_only);
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real /*x*/[], size_t nx) {
+    return none(c, "fmi2GetContinuousStates", nx);
 }
 
-fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real /*nominals*/[], size_t /*nx*/) {
-    return refused(c, "fmi2GetNominalsOfContinuousStates", co_simulation_only);
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real /*nominals*/[], size_t nx) {
+    return none(c, "fmi2GetNominalsOfContinuousStates", nx);
 }
 
 }  // extern "C"

@@ -29,6 +29,10 @@ const char* name_of(Phase phase) {
             return "step failed";
         case Phase::terminated:
             return "terminated";
+        case Phase::event:
+            return "event mode";
+        case Phase::continuous:
+            return "continuous-time mode";
     }
     return "unknown";
 }
@@ -56,11 +60,14 @@ void require_finite(const char* what, double value) {
 
 }  // namespace
 
-Instance::Instance(const Fmu& fmu, Journal::Sink sink, bool events)
+Instance::Instance(const Fmu& fmu, Kind kind, Journal::Sink sink, bool events)
     : fmu_(fmu),
+      kind_(kind),
       journal_(std::move(sink), fmu.log, events),
       component_(fmu.make_component(journal_)),
-      stop_time_(never) {}
+      stop_time_(never) {
+    scalars_.reserve(component_->size() + 1);  // steps allocate nothing
+}
 
 // ------------------------------------------------------------------ order of calls
 
@@ -99,7 +106,7 @@ void Instance::enter_initialisation() {
 void Instance::exit_initialisation() {
     require({Phase::initialising});
     initialise();
-    phase_ = Phase::stepping;
+    phase_ = kind_ == Kind::co_simulation ? Phase::stepping : Phase::event;
 }
 
 void Instance::initialise() {
@@ -108,6 +115,8 @@ void Instance::initialise() {
     }
     component_->initialise(start_time_);
     initialised_ = true;
+    samples_ = 0;
+    inputs_changed_ = false;
 }
 
 void Instance::step(double time, double size) {
@@ -126,6 +135,11 @@ void Instance::step(double time, double size) {
         throw Refusal("the step ends at " + text(end) + " s, after the stop time of " + text(stop_time_) +
                       " s");
     }
+    advance(time, size);
+    time_ = end;
+}
+
+void Instance::advance(double time, double size) {
     try {
         component_->step(time, size);
     } catch (const std::invalid_argument&) {  // a step that the component cannot make; nothing has changed
@@ -134,11 +148,10 @@ void Instance::step(double time, double size) {
         phase_ = Phase::failed;
         throw;
     }
-    time_ = end;
 }
 
 void Instance::terminate() {
-    require({Phase::stepping, Phase::failed});
+    require({Phase::stepping, Phase::event, Phase::continuous, Phase::failed});
     phase_ = Phase::terminated;
 }
 
@@ -150,10 +163,72 @@ void Instance::reset() {
     initialised_ = false;
 }
 
+// ------------------------------------------------------------------ model exchange
+
+void Instance::enter_event() {
+    require({Phase::continuous});
+    phase_ = Phase::event;
+}
+
+void Instance::enter_continuous() {
+    require({Phase::event});
+    phase_ = Phase::continuous;
+}
+
+void Instance::set_time(double time) {
+    require({Phase::event, Phase::continuous});
+    require_finite("time", time);
+    const double sampled = start_time_ + static_cast<double>(samples_) * component_->sample_period();
+    if (time < sampled - tolerance_at(sampled)) {
+        throw Refusal("time = " + text(time) + " s: must not be before the last time event, at " +
+                      text(sampled) + " s");
+    }
+    time_ = time;
+}
+
+double Instance::next_event() const {
+    return start_time_ + static_cast<double>(samples_ + 1) * component_->sample_period();
+}
+
+bool Instance::completed_integrator_step() const {
+    require({Phase::continuous});
+    return time_ >= next_event() - tolerance_at(time_);
+}
+
+void Instance::update_discrete_states() {
+    require({Phase::event});
+    const double event = next_event();
+    if (time_ > event + tolerance_at(event)) {
+        throw Refusal("time = " + text(time_) + " s: the time event at " + text(event) +
+                      " s was missed; the solver must stop at each time event that this FMU announces");
+    }
+    if (time_ >= event - tolerance_at(event)) {
+        const double period = component_->sample_period();
+        advance(event - period, period);
+        ++samples_;
+    } else if (inputs_changed_) {
+        advance(time_, 0.0);
+    }
+    inputs_changed_ = false;
+}
+
+void Instance::require_none(std::size_t count) const {
+    require({Phase::initialising, Phase::event, Phase::continuous, Phase::failed, Phase::terminated});
+    if (count > 0) {
+        throw Refusal("this FMU has no continuous states and no event indicators");
+    }
+}
+
 // ------------------------------------------------------------------ variables
 
+const Variable* Instance::find_variable(unsigned reference) const {
+    static constexpr Variable time{
+        .name = "time", .causality = Causality::output, .type = Type::real, .elements = 1};
+    return reference == component_->size() ? &time : component_->find(reference);
+}
+
 const Variable& Instance::variable(unsigned reference, Type type) const {
-    const Variable* variable = component_->find(reference);
+    const Variable* variable = find_variable(reference);
     if (variable == nullptr) {
         throw Refusal("there is no variable with the value reference " + std::to_string(reference));
     }
@@ -166,28 +241,41 @@ const Variable& Instance::variable(unsigned reference, Type type) const {
 
 bool Instance::any_of(std::span<const unsigned> references, Causality causality) const {
     return std::ranges::any_of(
-        references, [&](unsigned reference) { return component_->find(reference)->causality == causality; });
+        references, [&](unsigned reference) { return find_variable(reference)->causality == causality; });
 }
 
 void Instance::require_readable(std::span<const unsigned> references, Type type) const {
-    require({Phase::initialising, Phase::stepping, Phase::failed, Phase::terminated});
+    require({Phase::initialising, Phase::stepping, Phase::event, Phase::continuous, Phase::failed,
+             Phase::terminated});
     for (const unsigned reference : references) {
         static_cast<void>(variable(reference, type));
     }
 }
 
 void Instance::require_settable(std::span<const unsigned> references, Type type) const {
-    require({Phase::instantiated, Phase::initialising, Phase::stepping});
+    require({Phase::instantiated, Phase::initialising, Phase::stepping, Phase::event});
     for (const unsigned reference : references) {
         const Variable& candidate = variable(reference, type);
         if (candidate.causality == Causality::output) {
             throw Refusal(std::string(candidate.name) + " is an output and cannot be set");
         }
-        if (candidate.causality == Causality::parameter && phase_ == Phase::stepping) {
+        if (candidate.causality == Causality::parameter && running()) {
             throw Refusal(std::string(candidate.name) +
                           " is a fixed parameter and cannot change after initialisation");
         }
     }
+}
+
+std::span<const unsigned> Instance::scalars(std::span<const unsigned> variables) {
+    scalars_.clear();
+    for (const unsigned reference : variables) {
+        const Variable* const first = find_variable(reference);
+        const unsigned elements = first == nullptr ? 1 : first->elements;
+        for (unsigned element = 0; element < elements; ++element) {
+            scalars_.push_back(reference + element);
+        }
+    }
+    return scalars_;
 }
 
 // ------------------------------------------------------------------ states
@@ -210,8 +298,9 @@ State* Instance::find(const State* state) const {
 State* Instance::save(State* overwritten) {
     State* const reused = overwritten == nullptr ? nullptr : find(overwritten);
     std::ostringstream stream;
-    component_->save(stream);
     cereal::BinaryOutputArchive archive(stream);
+    archive(kind_);
+    component_->save(stream);
     serialize_progress(archive);
     std::string bytes = pack(fmu_.identity, stream.str());
     if (reused == nullptr) {
@@ -221,13 +310,23 @@ State* Instance::save(State* overwritten) {
     return reused;
 }
 
+Kind Instance::kind_of(std::istream& state) {
+    Kind kind{};
+    cereal::BinaryInputArchive{state}(kind);
+    return kind;
+}
+
 State* Instance::import_state(std::span<const char> bytes) {
-    static_cast<void>(unpack(fmu_.identity, bytes));
+    std::istringstream stream(unpack(fmu_.identity, bytes));
+    if (kind_of(stream) != kind_) {
+        throw Refusal("the stored state is one of an instance for the other kind of simulation");
+    }
     return keep({bytes.begin(), bytes.end()});
 }
 
 void Instance::restore(const State* state) {
     std::istringstream stream(unpack(fmu_.identity, find(state)->bytes()));
+    static_cast<void>(kind_of(stream));
     auto component = fmu_.make_component(journal_);
     component->load(stream);
     cereal::BinaryInputArchive archive(stream);

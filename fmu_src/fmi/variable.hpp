@@ -22,6 +22,8 @@ struct Variable {
     const char* name;
     Causality causality;
     Type type;
+    // Scalars of the array that begins with this one, in the rows that follow; 1: no array, or not its first.
+    unsigned elements;
 };
 
 // How to reach a variable of type T in a component of the class C.

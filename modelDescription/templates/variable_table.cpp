@@ -18,7 +18,7 @@ constexpr std::array<Row<C>, {{ component.scalars | length }}> table{ {
 {% set type = {'Real': 'double', 'Boolean': 'bool'}.get(variable.type, 'int') %}
 {% set member = cpp.group(variable) ~ '.' ~ cpp.elements(variable)[scalar.position] %}
 {% set enumerated = variable.type in component.enumeration %}
-    { {"{{ scalar.name }}", Causality::{{ variable.causality }}, type_of<{{ type }}>},
+    { {"{{ scalar.name }}", Causality::{{ variable.causality }}, type_of<{{ type }}>, {{ variable.indices | length if scalar.position == 0 else 1 }}},
      Access<C, {{ type }}>{
          [](const C& c) { return {{ 'static_cast<int>(c.%s)' % member if enumerated else 'c.%s' % member }}; },
 {% if variable.causality == 'output' %}
@@ -30,7 +30,7 @@ constexpr std::array<Row<C>, {{ component.scalars | length }}> table{ {
 } };
 
 std::unique_ptr<Component> make_component(Log& log) {
-    return std::make_unique<TabledComponent<C>>(table, log);
+    return std::make_unique<TabledComponent<C>>(table, {{ component.default_experiment.step_size }}, log);
 }
 
 constexpr LogCategories log_categories{

@@ -193,10 +193,10 @@ class Signals:
 class Instance:
     """One instance and its log."""
 
-    def __init__(self, fmu: Fmu, logging: bool) -> None:
+    def __init__(self, fmu: Fmu, logging: bool, kind: int = CO_SIMULATION) -> None:
         self.fmu = fmu
         self.journal = Journal()
-        self.handle = fmu.instantiate(callbacks=self.journal.callbacks, logging=logging)
+        self.handle = fmu.instantiate(kind=kind, callbacks=self.journal.callbacks, logging=logging)
         assert self.handle, self.journal.last
         self.outputs = Signals(fmu.of("output"))
         self.inputs = Signals(fmu.of("input"))

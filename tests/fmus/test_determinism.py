@@ -33,7 +33,7 @@ def describe(name: str, folder: Path, root: Path = ROOT) -> str:
     subprocess.run(
         [sys.executable, "-B", generator, "description", declaration, folder, "--version", "0"], check=True
     )
-    text = (folder / name / "modelDescription.xml").read_text()
+    text = (folder / name / "fmi2" / "modelDescription.xml").read_text()
     found = re.search(r'guid="({[0-9a-f-]{36}})"', text)
     assert found
     return found[1]

@@ -6,7 +6,6 @@ import pytest
 from calls import CO_SIMULATION, MODEL_EXCHANGE, Callbacks, Fmu, Journal, Logger
 
 REFUSED = {
-    "model exchange": ({"kind": MODEL_EXCHANGE}, "co-simulation only"),
     "another guid": ({"guid": b"{00000000-0000-0000-0000-000000000000}"}, "different builds"),
     "empty guid": ({"guid": b""}, "different builds"),
     "no name": ({"name": None}, "instanceName is NULL or empty"),
@@ -35,9 +34,10 @@ def test_no_callbacks(fmu: Fmu) -> None:
     assert fmu.instantiate(callbacks=Callbacks(Logger(), None, None, None, None)) is None
 
 
-def test_accepted(fmu: Fmu) -> None:
+@pytest.mark.parametrize("kind", [CO_SIMULATION, MODEL_EXCHANGE])
+def test_accepted(fmu: Fmu, kind: int) -> None:
     journal = Journal()
-    handle = fmu.instantiate(callbacks=journal.callbacks, logging=True)
+    handle = fmu.instantiate(kind=kind, callbacks=journal.callbacks, logging=True)
     assert handle
     assert not journal.lines
     fmu.library.fmi2FreeInstance(handle)

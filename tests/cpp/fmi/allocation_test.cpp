@@ -15,7 +15,7 @@ constexpr double step_size = 0.01;
 constexpr int steps = 6000;
 
 std::string description_of(const std::string& name) {
-    return std::string(GENERATED) + "/" + name + "/modelDescription.xml";
+    return std::string(GENERATED) + "/" + name + "/fmi2/modelDescription.xml";
 }
 
 template <class Value>

@@ -15,12 +15,16 @@ namespace {
 
 using fmi::Instance;
 using fmi::Journal;
+using fmi::Kind;
 using fmi::Refusal;
 using fmi::State;
 
 class InstanceTest : public testing::Test {
   protected:
-    Instance instance{stand_in(), [](Journal::Severity, const char*, const char*) {}, false};
+    explicit InstanceTest(Kind kind = Kind::co_simulation)
+        : instance(stand_in(), kind, [](Journal::Severity, const char*, const char*) {}, false) {}
+
+    Instance instance;
 
     void set(unsigned reference, double value) {
         instance.set<double>(std::array{reference}, std::span<const double>(&value, 1));
@@ -107,6 +111,54 @@ TEST_F(InstanceTest, AFailedRestoreLeavesTheInstanceAsItWas) {
     EXPECT_THROW(static_cast<void>(instance.import_state({})), Refusal);
     EXPECT_EQ(get(output), 3.0);
     EXPECT_NO_THROW(instance.step(1.0, 1.0));
+}
+
+class ExchangedTest : public InstanceTest {
+  protected:
+    ExchangedTest() : InstanceTest(Kind::model_exchange) { start(); }
+
+    void event_at(double time) {
+        instance.enter_continuous();
+        instance.set_time(time);
+        instance.enter_event();
+        instance.update_discrete_states();
+    }
+};
+
+TEST_F(ExchangedTest, StepsOnceInEachPeriod) {
+    set(input, 3.0);
+    EXPECT_EQ(instance.next_event(), 0.5);
+    instance.update_discrete_states();  // the input is new, at the start
+    EXPECT_EQ(get(output), 1.0 + 2.0 * 3.0);
+    event_at(0.3);  // an event of another FMU
+    EXPECT_EQ(get(output), 1.0 + 2.0 * 3.0);
+    event_at(0.5);
+    EXPECT_EQ(get(output), 1.0 + 2.0 * 3.0 + 2.0 * 3.0);
+    EXPECT_EQ(instance.next_event(), 1.0);
+}
+
+TEST_F(ExchangedTest, LooksAgainAtInputsThatChangeInTheSameEvent) {
+    event_at(0.5);
+    const double before = get(output);
+    set(input, 4.0);
+    instance.update_discrete_states();
+    EXPECT_EQ(get(output), before + 2.0 * 4.0);
+    instance.update_discrete_states();
+    EXPECT_EQ(get(output), before + 2.0 * 4.0);
+}
+
+TEST_F(ExchangedTest, RefusesWhatItsPhaseDoesNotAllow) {
+    EXPECT_THROW(instance.step(0.0, 0.5), Refusal);
+    EXPECT_THROW(instance.enter_event(), Refusal);
+    instance.enter_continuous();
+    EXPECT_THROW(instance.update_discrete_states(), Refusal);
+    EXPECT_THROW(set(input, 1.0), Refusal);
+    EXPECT_THROW(instance.require_none(1), Refusal);
+    EXPECT_NO_THROW(instance.require_none(0));
+    instance.set_time(0.7);
+    EXPECT_TRUE(instance.completed_integrator_step());
+    instance.enter_event();
+    EXPECT_THROW(instance.update_discrete_states(), Refusal);  // the event at 0.5 was missed
 }
 
 }  // namespace

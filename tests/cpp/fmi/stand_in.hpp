@@ -73,28 +73,38 @@ inline fmi::Fmu stand_in() {
     static constexpr std::array<fmi::Row<StandIn>, 4> table{
         {
             {
-                .variable = {.name = "fixed", .causality = Causality::parameter, .type = fmi::Type::real},
+                .variable = {.name = "fixed",
+                             .causality = Causality::parameter,
+                             .type = fmi::Type::real,
+                             .elements = 1},
                 .access = Access<StandIn, double>{
                     .get = [](const StandIn& c) { return c.parameters.fixed; },
                     .set = [](StandIn& c, double v) { c.parameters.fixed = v; },
                 },
             },
             {
-                .variable = {.name = "tunable", .causality = Causality::tunable, .type = fmi::Type::real},
+                .variable = {.name = "tunable",
+                             .causality = Causality::tunable,
+                             .type = fmi::Type::real,
+                             .elements = 1},
                 .access = Access<StandIn, double>{
                     .get = [](const StandIn& c) { return c.parameters.tunable; },
                     .set = [](StandIn& c, double v) { c.parameters.tunable = v; },
                 },
             },
             {
-                .variable = {.name = "input", .causality = Causality::input, .type = fmi::Type::real},
+                .variable =
+                    {.name = "input", .causality = Causality::input, .type = fmi::Type::real, .elements = 1},
                 .access = Access<StandIn, double>{
                     .get = [](const StandIn& c) { return c.input; },
                     .set = [](StandIn& c, double v) { c.input = v; },
                 },
             },
             {
-                .variable = {.name = "output", .causality = Causality::output, .type = fmi::Type::real},
+                .variable = {.name = "output",
+                             .causality = Causality::output,
+                             .type = fmi::Type::real,
+                             .elements = 1},
                 .access =
                     Access<StandIn, double>{.get = [](const StandIn& c) { return c.output; }, .set = nullptr},
             },
@@ -104,7 +114,7 @@ inline fmi::Fmu stand_in() {
         .identity = {.name = "StandIn", .guid = "{stand-in}"},
         .log = {.errors = "errors", .events = "events", .every = "every"},
         .make_component = [](Log& log) -> std::unique_ptr<fmi::Component> {
-            return std::make_unique<fmi::TabledComponent<StandIn>>(table, log);
+            return std::make_unique<fmi::TabledComponent<StandIn>>(table, 0.5, log);
         },
     };
 }
