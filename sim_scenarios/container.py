@@ -106,32 +106,32 @@ class Container:
             return self._recorded(instance, times)
 
     def _recorded(self, instance: Instance, times: NDArray[np.float64]) -> Recorded:
-        def table(prefix: str, names: Sequence[str]) -> Table:
-            return Table(Port(instance, [prefix + name for name in names]), len(times), prefix)
-
-        truth = table(SOURCE, self._truth)
-        filters = [table(sink, self._outputs) for sink in self._sinks]
-        fixes = [table(sink, self._fix_outputs) for sink in self._sinks]
+        outputs = [SOURCE + name for name in self._truth]
+        outputs += [sink + name for sink in self._sinks for name in self._outputs]
+        at_fixes = [sink + name for sink in self._sinks for name in self._fix_outputs]
+        rows, fixes = (Table(Port(instance, names), len(times)) for names in (outputs, at_fixes))
         signal = Port(instance, [f"{SOURCE}gnss.sample", f"{SOURCE}gnss.time"])
         count, fix_time = signal.signals.buffers["Integer"], signal.signals.buffers["Real"]
         signal.read()
-        for rows in (truth, *filters):
-            rows.append()
+        rows.append()
         fixes_at: list[float] = []
-        clock = times.tolist()
-        for time, end in pairwise(clock):
+        for time, end in pairwise(times.tolist()):
             before = int(count[0])
             instance.step(time, end - time)
+            rows.append()
             signal.read()
             if count[0] != before:
                 if count[0] != before + 1:
                     raise SimulationError(f"several fixes came between {time:g} s and {end:g} s")
                 fixes_at.append(float(fix_time[0]))
-                for rows in fixes:
-                    rows.append()
-            for rows in (truth, *filters):
-                rows.append()
-        return Recorded(times, np.array(fixes_at), truth, filters, fixes)
+                fixes.append()
+        return Recorded(
+            times,
+            np.array(fixes_at),
+            rows.columns(SOURCE),
+            [rows.columns(sink) for sink in self._sinks],
+            [fixes.columns(sink) for sink in self._sinks],
+        )
 
     def _built(self, plant: Fmu, filter_fmu: Fmu, step: float) -> Path:
         """Path of the container, with all parameters, what is recorded, and nothing else to be seen."""

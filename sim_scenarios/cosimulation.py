@@ -25,6 +25,7 @@ from sim_scenarios.fmus import Fmu, Variable
 from sim_scenarios.instance import Instance, Port, Signals
 
 Array = NDArray[np.float64]
+Columns = dict[str, NDArray[Any]]
 Progress = Callable[[float], None]
 """Called with the completed share, 0 to 1."""
 
@@ -45,14 +46,10 @@ class Master(str, Enum):
 
 
 class Table:
-    """Values of a port over time, written row by row into arrays made beforehand.
+    """Values of a port over time, written row by row into arrays made beforehand."""
 
-    The names of its columns are those of the variables without a prefix.
-    """
-
-    def __init__(self, port: Port, rows: int, prefix: str = "") -> None:
+    def __init__(self, port: Port, rows: int) -> None:
         self.port = port
-        self.prefix = prefix
         self.rows = 0
         self.arrays = {base: np.empty((rows, len(b)), b.dtype) for base, b in port.signals.buffers.items()}
         self._addresses = [array.ctypes.data for array in self.arrays.values()]
@@ -64,12 +61,12 @@ class Table:
         self._addresses = [a + stride for a, stride in zip(self._addresses, self._strides, strict=True)]
         self.rows += 1
 
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """Recorded values of each variable, shape (rows,)."""
-        places = self.port.signals.places
+    def columns(self, prefix: str = "") -> Columns:
+        """Recorded values, shape (rows,), of each variable of a prefix, by the name that follows it."""
         return {
-            name.removeprefix(self.prefix): self.arrays[base][: self.rows, i].copy()
-            for name, (base, i) in places.items()
+            name.removeprefix(prefix): self.arrays[base][: self.rows, i].copy()
+            for name, (base, i) in self.port.signals.places.items()
+            if name.startswith(prefix)
         }
 
 
@@ -160,17 +157,17 @@ class Recorded:
         Master times of the signals that the filters had consumed at each periodic row [s].
     fix_time : ndarray
         Times of validity of the fixes that the filters received [s].
-    truth : Table or None
-        Outputs of the source's FMU at `time`.
-    filters, fixes : list of Table
-        Outputs of each filter, periodically and after each fix.
+    truth : dict of str to ndarray, or None
+        Outputs of the source's FMU at `time`, by name.
+    filters, fixes : list of dict of str to ndarray
+        Outputs of each filter by name, periodically and after each fix.
     """
 
     time: Array
     fix_time: Array
-    truth: Table | None
-    filters: list[Table]
-    fixes: list[Table]
+    truth: Columns | None
+    filters: list[Columns]
+    fixes: list[Columns]
 
 
 def connected(source: Iterable[str], sink: Fmu) -> list[str]:
@@ -261,4 +258,10 @@ def simulate(
             for table in filters:
                 table.append()
             progress(len(recorded_at) / rows)
-    return Recorded(np.array(recorded_at), np.array(fixes_at), truth, filters, fixes)
+    return Recorded(
+        np.array(recorded_at),
+        np.array(fixes_at),
+        truth.columns() if truth else None,
+        [table.columns() for table in filters],
+        [table.columns() for table in fixes],
+    )

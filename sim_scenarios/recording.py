@@ -69,8 +69,8 @@ def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu |
     parts = [
         xr.Dataset(
             {
-                **_arrays(table.columns(), filter_fmu, "time"),
-                **_arrays(fixes.columns(), filter_fmu, "fix"),
+                **_arrays(table, filter_fmu, "time"),
+                **_arrays(fixes, filter_fmu, "fix"),
             }
         )
         for table, fixes in zip(recorded.filters, recorded.fixes, strict=True)
@@ -89,7 +89,7 @@ def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu |
         {"description": "Whether the fix corrected the estimate"},
     )
     if recorded.truth is not None and plant is not None:
-        result = result.assign(_arrays(recorded.truth.columns(), plant, "time"))
+        result = result.assign(_arrays(recorded.truth, plant, "time"))
         result = result.assign({**_attitude_errors(result), **_position_and_velocity_errors(result)})
     return result
 

@@ -161,7 +161,7 @@ def run_filters(
     data = recording.dataset(recorded, list(filters), fmus[scenario.filter_fmu], fmus.plant)
     data.attrs = attributes(scenario, fmus, messages)
     assert recorded.truth is not None
-    trajectory = _trajectory(recorded.time, recorded.truth.columns())
+    trajectory = _trajectory(recorded.time, recorded.truth)
     try:
         return _with_bound(data, trajectory, scenario, fmus)
     except InputError as error:  # a run is worth having without a bound

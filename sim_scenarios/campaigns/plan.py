@@ -223,7 +223,7 @@ def _text(value: object) -> str:
 
 
 def _sentence(where: object, error: Any) -> str:
-    key, *_ = [str(part) for part in error["loc"]]
+    key = ".".join(str(part) for part in error["loc"])
     if error["type"] == "extra_forbidden":
         return f"{where}: {key}: there is no such entry{did_you_mean(key, list(Plan.model_fields))}"
     return f"{where}: {key}: {error['msg'][0].lower()}{error['msg'][1:]}"
