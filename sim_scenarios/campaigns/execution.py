@@ -75,12 +75,15 @@ class Effort:
         From the first batch to the last [s].
     work : float
         Time that the workers spent in runs, all together [s].
+    failures : tuple of str
+        Why runs failed, each reason once.
     """
 
     runs: int
     workers: int
     wall: float
     work: float
+    failures: tuple[str, ...] = ()
 
     @property
     def overhead(self) -> float:
@@ -93,7 +96,7 @@ class Done:
     """What a worker says of a batch."""
 
     runs: int
-    failed: int
+    failures: tuple[str, ...]
     work: float
 
 
@@ -179,14 +182,15 @@ def _execute(client: Client, bench: Workbench, report: Report) -> Effort:
     missing = list(store.unfinished(bench.path))
     total = bench.plan.runs * len(bench.cases)
     done = total - sum(len(batch) for batch in missing)
-    failed, made, work, start = 0, 0, 0.0, time.monotonic()
+    failures: list[str] = []
+    made, work, start = 0, 0.0, time.monotonic()
     batches = iter(missing)
     workers = _workers(client)
 
     def submit(batch: Batch) -> Any:
         return client.submit(_run_batch, bench.name, batch, key=f"{bench.name}-{batch}")
 
-    report(Progress(done, failed, total, 0.0))
+    report(Progress(done, 0, total, 0.0))
     pending = as_completed([submit(batch) for batch in islice(batches, AHEAD * workers)])
     for future in pending:
         try:
@@ -196,9 +200,10 @@ def _execute(client: Client, bench: Workbench, report: Report) -> Effort:
         future.release()
         for batch in islice(batches, 1):
             pending.add(submit(batch))
-        made, failed, work = made + outcome.runs, failed + outcome.failed, work + outcome.work
-        report(Progress(done + made, failed, total, made / (time.monotonic() - start)))
-    return Effort(made, workers, time.monotonic() - start, work)
+        made, work = made + outcome.runs, work + outcome.work
+        failures += outcome.failures
+        report(Progress(done + made, len(failures), total, made / (time.monotonic() - start)))
+    return Effort(made, workers, time.monotonic() - start, work, tuple(dict.fromkeys(failures)))
 
 
 def fmu_versions(fmus: Fmus, made: Sequence[Case]) -> dict[str, str]:
@@ -226,4 +231,5 @@ def _run_batch(bench: str, batch: Batch) -> Done:
     outcomes = [plugin.bench.run(case, seed, attributes) for seed in seeds]
     writer = plugin.writer
     writer.write(batch, *runs.arranged(outcomes, filter_labels(plugin.cases), writer.times))
-    return Done(len(batch), sum(outcome.failed for outcome in outcomes), time.monotonic() - start)
+    failures = tuple(outcome.failure for outcome in outcomes if outcome.failure)
+    return Done(len(batch), failures, time.monotonic() - start)

@@ -27,16 +27,23 @@ def draw(case: CaseSummary, path: Path) -> list[Path]:
         _consistency(case, {k: f.nees_course for k, f in case.filters.items()}, nees, "heading NEES")
         _consistency(case, {k: f.nis_course for k, f in case.filters.items()}, nis, "NIS / channels")
         for panel in (error, nees, nis):
-            panel.set_yscale("log")
-            panel.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-            panel.yaxis.set_major_formatter("{x:g}")
-            panel.yaxis.set_minor_formatter(NullFormatter())
+            _make_logarithmic(panel)
         figure.legend(loc="outside lower center", ncols=3)
         files = [path.with_name(f"{path.name}.{kind}") for kind in ("png", "svg")]
         for file in files:
             about = {"Date": None} if file.suffix == ".svg" else None
             figure.savefig(file, dpi=150, metadata=about)
     return files
+
+
+def _make_logarithmic(axes: Axes) -> None:
+    """Logarithmic vertical axis with plain numbers, where there is anything to show on it."""
+    if not np.isfinite(axes.dataLim.minposy):
+        return
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def _errors(case: CaseSummary, axes: Axes) -> None:

@@ -27,15 +27,11 @@ Filters = Mapping[str, Mapping[str, Number]]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one run: state and kept values of each filter, by label."""
+    """What became of one run: state and kept values of each filter by label, and why one failed."""
 
     state: dict[str, State]
     kept: dict[str, dict[str, Array]]
-
-    @property
-    def failed(self) -> bool:
-        """Whether a filter failed."""
-        return State.failed in self.state.values()
+    failure: str = ""
 
 
 class Bench:
@@ -100,17 +96,18 @@ class Bench:
         )
 
     def _one_by_one(self, scenario: Scenario, filters: Filters, attributes: Mapping[str, Any]) -> Outcome:
-        outcome = Outcome({}, {})
+        state, values_kept, failures = {}, {}, []
         for label, values in filters.items():
             try:
                 data = self._simulated(scenario, {label: values}, container=False)
-            except SimulationError:  # noqa: PERF203
-                outcome.state[label] = State.failed
+            except SimulationError as error:  # noqa: PERF203
+                state[label] = State.failed
+                failures.append(str(error))
             else:
                 data.attrs.update(attributes)
-                outcome.state[label] = State.finished
-                outcome.kept[label] = kept(recording.of_filter(data, label), self._period)
-        return outcome
+                state[label] = State.finished
+                values_kept[label] = kept(recording.of_filter(data, label), self._period)
+        return Outcome(state, values_kept, "; ".join(failures))
 
     def _container(self, scenario: Scenario, filters: int) -> Container:
         key = scenario.filter_fmu, filters, scenario.communication_step

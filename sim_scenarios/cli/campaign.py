@@ -6,7 +6,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 from rich.console import Console
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from sim_scenarios.campaigns import Campaign
     from sim_scenarios.campaigns.execution import Effort, Progress
     from sim_scenarios.campaigns.statistics import CaseSummary
+
+MOST_FAILURES: Final = 5
+"""Reasons of failed runs that are told."""
 
 Name = Annotated[
     str,
@@ -93,7 +96,7 @@ def run_campaign(
         truenorth campaign filters_by_scenario
         truenorth campaign my_campaign.toml --scheduler tcp://192.168.0.7:8786 --output /shared/results
 
-    Exit code 0 when every run is done, 130 when interrupted.
+    Exit code 0 when every run came to its end, 1 when one stopped with an error, 130 when interrupted.
     """
     from sim_scenarios.campaigns import Campaign, load_plan, page, store, table  # slow: Dask, Zarr
     from sim_scenarios.campaigns.statistics import summarise
@@ -109,9 +112,9 @@ def run_campaign(
         )
         folder = Results(output or DEFAULT / f"campaign-{plan.name}").output
         assert folder is not None
+        campaign = Campaign.of(plan, folder, master)
         if overwrite:
             store.discard(folder)
-        campaign = Campaign.of(plan, folder, master)
         effort = _run(campaign, workers, scheduler)
         data = store.open_results(folder)
         cases = list(summarise(data))
@@ -121,6 +124,7 @@ def run_campaign(
         print_json({"campaign": plan.name, "runs": plan.runs, "seed": plan.seed, "cases": figures, **files})
     else:
         _print(cases, effort, files)
+    raise typer.Exit(int(any(one.stopped for case in cases for one in case.filters.values())))
 
 
 def _run(campaign: Campaign, workers: int | None, scheduler: str | None) -> Effort:
@@ -145,6 +149,8 @@ def _print(cases: list[CaseSummary], effort: Effort, files: dict[str, str]) -> N
         console().print(case.label, style="bold", highlight=False, markup=False)
         print_table(table.figures(case))
         console().print()
+    for failure in effort.failures[:MOST_FAILURES]:
+        typer.echo(f"a run failed: {failure}", err=True)
     print_pairs({**_effort(effort), "Report": files["report"], "Data": files["data"]})
 
 

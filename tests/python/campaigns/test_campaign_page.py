@@ -13,7 +13,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from sim_scenarios.campaigns import page, table
 from sim_scenarios.campaigns.statistics import CaseSummary, summarise
-from sim_scenarios.campaigns.store import open_results
+from sim_scenarios.campaigns.store import State, open_results
 from sim_scenarios.units import ARCMIN
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -168,6 +168,12 @@ def test_the_page_names_the_command_of_a_run_alone(files: dict[str, str]) -> Non
     text = Path(files["report"]).read_text(encoding="utf-8")
     assert "truenorth compare zigzag --seed 3" in text
     assert "--set gnss.rate=2.0" in text
+
+
+def test_a_campaign_whose_runs_all_failed_has_a_page(data: xr.Dataset, tmp_path: Path) -> None:
+    failed = data.assign(state=xr.full_like(data["state"], State.failed))
+    written = page.write(failed, list(summarise(failed)), tmp_path)
+    assert "<td>5 / 5</td>" in Path(written["report"]).read_text(encoding="utf-8")
 
 
 def test_labels_cannot_end_the_script(data: xr.Dataset, cases: list[CaseSummary], tmp_path: Path) -> None:

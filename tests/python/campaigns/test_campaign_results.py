@@ -87,7 +87,8 @@ def test_a_filter_that_fails_leaves_the_others_alone(fmus: Fmus, tmp_path: Path)
     attributes = sim_scenarios.simulation.attributes(case.scenario, fmus)
     outcome = Bench(1.0, Master.auto, fmus).run(case, 1, attributes)
     assert outcome.state == {"good": State.finished, "bad": State.failed}
-    assert outcome.failed
+    assert "bad (AlignmentFilter) failed" in outcome.failure
+    assert "robust.gamma" in outcome.failure
     assert set(outcome.kept) == {"good"}
 
 
