@@ -6,7 +6,7 @@
         results = sim_scenarios.campaign("swaying_ship", "results", runs=100)
         print(results["heading_rmse"].sel(filter="UKF").values)
 
-The results are an xarray Dataset (see `store`); `statistics.summary` condenses it.
+The results are an xarray Dataset (see `store`); `statistics.summarise` condenses it.
 """
 
 from __future__ import annotations

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any, Final
 from uuid import uuid4
 
-import dask
 import xarray as xr
 from dask.system import CPU_COUNT
 from distributed import Client, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
@@ -123,7 +122,6 @@ class Workbench(WorkerPlugin):
 def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     """Connection to a scheduler: one that exists, or an embedded one with a worker process for each core."""
     with ExitStack() as stack:
-        stack.enter_context(dask.config.set({"distributed.comm.timeouts.connect": CONNECTING}))
         if scheduler is None:
             local = LocalCluster(
                 n_workers=workers or CPU_COUNT,
@@ -138,6 +136,9 @@ def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
             return
         try:
             client = stack.enter_context(Client(scheduler, timeout=CONNECTING))
+            client.wait_for_workers(1, timeout=CONNECTING)
+        except TimeoutError:
+            raise InputError(f"--scheduler {scheduler}: it has no workers") from None
         except (OSError, ValueError) as error:
             raise InputError(f"--scheduler {scheduler}: there is no answer ({error})") from None
         yield client
@@ -185,7 +186,7 @@ def _execute(client: Client, bench: Workbench, report: Report) -> Effort:
     failures: list[str] = []
     made, work, start = 0, 0.0, time.monotonic()
     batches = iter(missing)
-    workers = _workers(client)
+    workers = sum(client.nthreads().values())
 
     def submit(batch: Batch) -> Any:
         return client.submit(_run_batch, bench.name, batch, key=f"{bench.name}-{batch}")
@@ -210,11 +211,6 @@ def fmu_versions(fmus: Fmus, made: Sequence[Case]) -> dict[str, str]:
     """Hash of every FMU that the cases use, by name."""
     used = [fmus.plant, *(fmus[name] for name in dict.fromkeys(case.scenario.filter_fmu for case in made))]
     return {fmu.name: fmu.guid for fmu in used}
-
-
-def _workers(client: Client) -> int:
-    client.wait_for_workers(1, timeout=CONNECTING)
-    return sum(client.nthreads().values())
 
 
 def _bound(case: Case) -> xr.Dataset:

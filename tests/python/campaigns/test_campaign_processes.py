@@ -15,10 +15,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from distributed import Client, LocalCluster
 
-from sim_scenarios.campaigns import campaign, execution, store
+from sim_scenarios.campaigns import campaign, execution, load_plan, store
 from sim_scenarios.campaigns.execution import Progress
+from sim_scenarios.campaigns.plan import cases
+from sim_scenarios.campaigns.runs import bound
 from sim_scenarios.campaigns.store import State
+from sim_scenarios.cosimulation import Master
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 
@@ -58,7 +62,7 @@ def process(command: list[str]) -> Iterator[subprocess.Popen[str]]:
                 os.killpg(running.pid, signal.SIGKILL)
 
 
-def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+def wait_for(condition: Callable[[], bool], seconds: float = 300.0) -> None:
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "nothing happened"
@@ -77,7 +81,7 @@ def test_a_killed_campaign_resumes(
     """SIGKILL at a random number of stored runs and a random moment after; the same command goes on."""
     dice = random.Random(attempt)
     with process([*COMMAND, "--output", str(tmp_path)]) as running:
-        stored = dice.randrange(1, RUNS - 4)
+        stored = dice.randrange(1, RUNS // 2)
         wait_for(lambda: finished(tmp_path) >= stored)
         time.sleep(dice.uniform(0, 0.1))
         running.kill()
@@ -96,7 +100,7 @@ def test_an_interruption_says_how_to_resume(tmp_path: Path) -> None:
     with process([*COMMAND, "--set", "duration=600.0", "--output", str(tmp_path)]) as running:
         wait_for(lambda: finished(tmp_path) >= 2)
         os.killpg(running.pid, signal.SIGINT)  # as a terminal does
-        _, said = running.communicate(timeout=60)
+        _, said = running.communicate(timeout=300)
     assert running.returncode == 130
     assert "the same command resumes" in said
     assert "campaign zigzag -n 16" in said
@@ -131,6 +135,27 @@ def test_a_cluster_that_exists_and_a_worker_that_dies(
         run(tmp_path / "results", fmus, scheduler=address, report=report)
     assert killed
     assert files(tmp_path / "results") == undisturbed
+
+
+def test_a_worker_with_other_fmus_is_refused(fmus: Fmus, tmp_path: Path) -> None:
+    plan = load_plan("zigzag", runs=1, set=SETTINGS)
+    made = cases(plan, fmus)
+    store.create(tmp_path, plan, made, "any", [bound(case, fmus) for case in made])
+    others = {"TruthPlant": "another", "AlignmentFilter": fmus.filter.guid}
+    with (
+        Client(processes=False, n_workers=1, dashboard_address="127.0.0.1:0") as client,
+        pytest.raises(InputError, match="a worker has other FMUs"),
+    ):
+        execution.execute(client, tmp_path / store.NAME, plan, made, Master.auto, others)
+
+
+def test_a_scheduler_without_workers(fmus: Fmus, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(execution, "CONNECTING", 0.5)
+    with (
+        LocalCluster(n_workers=0, processes=False, dashboard_address="127.0.0.1:0") as cluster,
+        pytest.raises(InputError, match="it has no workers"),
+    ):
+        run(tmp_path, fmus, scheduler=cluster.scheduler_address)
 
 
 def test_a_scheduler_that_does_not_answer(
