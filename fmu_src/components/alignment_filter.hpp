@@ -19,6 +19,8 @@ class AlignmentFilter : public AlignmentFilterBase {
 
     // Starts at start_time [s] from the parameters initial.*. Throws InvalidParameter.
     void initialise(double start_time);
+
+    void step(double /*time*/, double /*step*/) { advance(); }
 };
 
 }  // namespace truenorth

@@ -10,7 +10,7 @@ namespace truenorth {
 template <class Outputs, class Engine, class Parameters>
 void publish_estimate(Outputs& outputs, const Engine& engine, double time, const Parameters& p) {
     using Where = typename Engine::Where;
-    const NavigationState best = engine.best();
+    const NavigationState& best = engine.best();
     const EulerAngles angles = euler_angles(best.q_bn.toRotationMatrix());
     auto& nav = outputs.nav;
     nav.time = time;

@@ -33,9 +33,6 @@ class InertialFilter {
     // Takes over tunable parameters that have changed. Throws InvalidParameter.
     void retune();
 
-    // Processes what is new at the inputs. Their time stamps count, not the master's steps.
-    void step(double time, double step);
-
     template <class Archive>
     void serialize(Archive& archive) {
         archive(parameters, inputs, outputs, imu_, gnss_, history_, travelled_, status_, under_way_,
@@ -53,6 +50,9 @@ class InertialFilter {
 
     // Sets out from here, at the time to which the IMU data reach.
     void set_out(const Start& start);
+
+    // Processes what is new at the inputs. Their time stamps count, not the master's steps.
+    void advance();
 
     void publish();
 

@@ -94,7 +94,7 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const GnssFix& fi
         reject_fix(reason_of_refusal(engine.corrector.gate, innovation));
         return;
     }
-    Change change = engine.apply(correction);
+    const Change change = engine.apply(correction);
     if (!change.finite) {
         fault("the correction is not finite");
         return;
@@ -106,17 +106,16 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const GnssFix& fi
         report_infeasible();
     }
 
-    // What is not a state.
-    if constexpr (!E::kFindsPosition) {
+    history_.turn(change.rotation, travelled_);
+    history_.shift(change.velocity, change.displacement);
+
+    if constexpr (!E::kFindsPosition) {  // and perhaps the vertical velocity is no state either
         const bool climbs = Where::velocity.count == 3;
         const Eigen::Vector3d climb(0.0, 0.0, climbs ? 0.0 : fix.velocity.z() - then.velocity.z());
         const Eigen::Vector3d displacement = earth::displacement(then.position, fix.position);
         engine.move(climb, displacement);
-        change.velocity += climb;
-        change.displacement += displacement;
+        history_.shift(climb, displacement);
     }
-    history_.turn(change.rotation, travelled_);
-    history_.shift(change.velocity, change.displacement);
 }
 
 // The gate has refused so many fixes in a row that the prediction is blamed: by as much as lets this one

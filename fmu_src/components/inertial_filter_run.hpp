@@ -42,12 +42,12 @@ void InertialFilter<Interface, Engines...>::check() const {
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::choose_model() {
-    const auto choose = [this]<class E>(const std::variant<E>&) {
+    const auto choose = [this]<class E> {
         if (E::Where::is_chosen(parameters)) {
             engine_.template emplace<E>();
         }
     };
-    (choose(std::variant<Engines>()), ...);
+    (choose.template operator()<Engines>(), ...);
 }
 
 template <class Interface, class... Engines>
@@ -86,7 +86,7 @@ void InertialFilter<Interface, Engines...>::retune() {
 }
 
 template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::step(double /*time*/, double /*step*/) {
+void InertialFilter<Interface, Engines...>::advance() {
     if (!under_way_) {
         watch();
         publish();

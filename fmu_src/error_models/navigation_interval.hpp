@@ -5,8 +5,8 @@
 // rotation of the ENU axes under a displacement p.
 #pragma once
 
-#include "inertial/interval_average.hpp"
 #include "estimation/gaussian.hpp"
+#include "inertial/interval_average.hpp"
 
 namespace truenorth {
 

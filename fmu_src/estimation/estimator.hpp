@@ -13,6 +13,16 @@ namespace truenorth {
 
 using Predictor = std::variant<Linearised, Unscented, Augmented>;
 
+// The state that a model has before it is told another: of a vector, zero.
+template <ErrorModel M>
+typename M::State origin() {
+    if constexpr (requires { M::State::Zero(); }) {
+        return M::State::Zero();
+    } else {
+        return {};
+    }
+}
+
 template <ErrorModel M>
 class Estimator {
   public:
@@ -20,7 +30,7 @@ class Estimator {
 
     M model;
     Predictor predictor;
-    typename M::State state = M::State::Zero();
+    typename M::State state = origin<M>();
     Matrix<kStates> covariance = Matrix<kStates>::Zero();
 
     // First phase: state and covariance at the end of the interval.

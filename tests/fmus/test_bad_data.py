@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 
 import pytest
+from archives import FILTERS, STEP
 from calls import OK, Fmu, Instance, Number, run
-from conftest import FILTERS, STEP
 
 COUNTERS = {"rejected_samples", "rejected_fixes", "missed_samples"}
 OF_LAST_FIX = "measurement_weight["  # whatever became of it

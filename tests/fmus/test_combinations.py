@@ -8,8 +8,8 @@ import re
 from itertools import product
 
 import pytest
+from archives import FILTERS, ROOT
 from calls import OK, Fmu, Number, Signals
-from conftest import FILTERS, ROOT
 from reading import read
 
 STEP = 0.1

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from archives import ROOT
 from calls import Fmu
-from conftest import ROOT
 from fmi2 import Fmi2
 from reading import read
 

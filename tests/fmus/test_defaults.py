@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import pytest
+from archives import FILTERS
 from calls import OK, Fmu
-from conftest import FILTERS
 
 STEP = 0.1
 ARCMIN = math.pi / 180 / 60

@@ -10,8 +10,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from archives import ROOT
 from calls import Fmu
-from conftest import ROOT
 from package import package
 
 ADDED = {

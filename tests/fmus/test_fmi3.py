@@ -11,9 +11,9 @@ from pathlib import Path
 
 import fmpy
 import pytest
+from archives import FMUS, STEP
 from calls import OK, Fmu, Number
 from calls3 import Fmu3, Ports3, scalar_names
-from conftest import FMUS, STEP
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from lxml import etree

@@ -6,8 +6,8 @@ import ctypes
 import math
 
 import pytest
+from archives import FILTERS, SAMPLES, STEP
 from calls import ERROR, OK, Fmu, Instance, Number, run
-from conftest import FILTERS, SAMPLES, STEP
 
 
 def switch(instance: Instance, on: bool, *categories: str) -> int:

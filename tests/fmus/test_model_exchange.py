@@ -9,8 +9,8 @@ from ctypes import byref, c_double, c_int, c_size_t
 import fmpy
 import numpy as np
 import pytest
+from archives import FMUS, STEP
 from calls import ERROR, MODEL_EXCHANGE, OK, Fmu, Instance, Number
-from conftest import FMUS, STEP
 
 STEPS = 1000
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 
+from archives import SAMPLES, STEP
 from calls import OK, Fmu, Number, run
-from conftest import SAMPLES, STEP
 
 
 def test_reset_gives_the_same_run(fmu: Fmu, signals: list[dict[str, Number]]) -> None:

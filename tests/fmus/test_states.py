@@ -8,8 +8,8 @@ from ctypes import byref, c_char, c_size_t, c_void_p
 from pathlib import Path
 
 import pytest
+from archives import SAMPLES, STEP, variants
 from calls import ERROR, OK, Fmu, Instance, Number, run
-from conftest import SAMPLES, STEP, variants
 
 MIDDLE = SAMPLES // 2
 VERSION_OFFSET, VERSION_SIZE = 8, 4

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import pytest
+from archives import FILTERS, STEP
 from calls import ERROR, OK, Fmu, Instance, Number
-from conftest import FILTERS, STEP
 
 REFUSED = {
     "zero": (0.0, 0.0, "step size = 0: must be greater than 0"),

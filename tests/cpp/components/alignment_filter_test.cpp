@@ -2,18 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cereal/archives/binary.hpp>
 #include <cmath>
 #include <functional>
-#include <limits>
-#include <memory>
-#include <numbers>
 #include <random>
-#include <sstream>
 
 #include "components/invalid_parameter.hpp"
-#include "components/serialisation.hpp"
-#include "components/turntable.hpp"
+#include "session.hpp"
 
 namespace truenorth {
 namespace {
@@ -25,67 +19,13 @@ using alignment_filter::RobustScaling;
 using alignment_filter::Status;
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kRate = 50;  // IMU samples a second
-
-// A run on a turntable: a sample every 1 / kRate, a fix a second, delivered `latency` samples late.
-struct Session {
-    Turntable table = {};
-    double heading_error = 10.0 * kDegree;
-    int latency = 0;
-    Vector3d lever_arm = Vector3d::Zero();
-    std::function<Vector3d(int second)> fix_noise = [](int) { return Vector3d(Vector3d::Zero()); };
-    std::function<void(FedFilter&, int k)> after_step = [](FedFilter&, int) {};
-
-    void start(FedFilter& fed) const { fed.start(table, heading_error); }
-
-    // Steps `from` + 1 to `to`.
-    void advance(FedFilter& fed, int from, int to) const {
-        for (int k = from + 1; k <= to; ++k) {
-            const double time = static_cast<double>(k) / kRate;
-            fed.put_sample(time, table.increment(static_cast<double>(k - 1) / kRate, time));
-            if (k > latency && (k - latency) % kRate == 0) {
-                const int second = (k - latency) / kRate;
-                GnssFix fix = table.fix(second, lever_arm);
-                fix.velocity += fix_noise(second);
-                fed.put_fix(fix);
-            }
-            fed.step();
-            after_step(fed, k);
-        }
-    }
-    void seconds(FedFilter& fed, double duration) const {
-        start(fed);
-        advance(fed, 0, static_cast<int>(std::lround(duration * kRate)));
-    }
-};
-
-double heading_error_of(const FedFilter& fed, const Turntable& table) {
-    const auto& nav = fed.filter.outputs.nav;
-    return wrap_angle(nav.heading - table.heading_at(nav.time));
-}
-
-std::string bytes(const Outputs& outputs) {
-    std::ostringstream stream;
-    cereal::BinaryOutputArchive archive(stream);
-    archive(outputs);
-    return stream.str();
-}
-
-// The outputs without the counts of what was refused.
-std::string estimate(const FedFilter& fed) {
-    Outputs outputs = fed.filter.outputs;
-    outputs.rejected_fixes = 0;
-    outputs.rejected_samples = 0;
-    outputs.measurement_weight.setZero();  // of the last fix, whatever became of it
-    return bytes(outputs);
-}
+using FedFilter = Fed<AlignmentFilter>;
+using Trial = Session<AlignmentFilter>;
 
 TEST(AlignmentFilterHeading, IsFoundFromTenDegreesWithinThreeSigma) {
     for (const double sign : {1.0, -1.0}) {
         FedFilter fed;
-        const Session run{.heading_error = sign * 10.0 * kDegree};
+        const Trial run{.heading_error = sign * 10.0 * kDegree};
         run.seconds(fed, 600.0);
         const double sigma = fed.filter.outputs.heading_sigma;
         EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 3.0 * sigma);
@@ -108,7 +48,7 @@ TEST(AlignmentFilterHeading, ErrsAsItsSigmaSays) {
         };
         double sum = 0.0;
         for (int n = 0; n < 40; ++n) {
-            Session run{.heading_error = 10.0 * kDegree * normal(generator)};
+            Trial run{.heading_error = 10.0 * kDegree * normal(generator)};
             run.table.gyro_bias = draw(2.4240684e-7);
             run.table.accelerometer_bias = draw(9.80665e-3);
             run.table.accelerometer_bias.z() = 0.0;
@@ -133,7 +73,7 @@ TEST(AlignmentFilterHeading, FindsTheSameInEveryWayOfComputing) {
     const auto result = [](const std::function<void(Parameters&)>& change) {
         FedFilter fed;
         change(fed.filter.parameters);
-        const Session run;
+        const Trial run;
         run.seconds(fed, 300.0);
         return std::pair{heading_error_of(fed, run.table), fed.filter.outputs.heading_sigma};
     };
@@ -160,7 +100,7 @@ TEST(AlignmentFilterLatency, OfAFixCostsNoMoreThanTheVelocityThatWasGainedMeanwh
     // A fix that is 0.3 s late is wrong by b = 0.3 s times the rate of the velocity error. Errors b_k of the
     // measurements move an estimate by at most sqrt(sum (b_k / sigma_R)^2) of its own sigma, whatever the
     // model.
-    Session run;
+    Trial run;
     double allowance = 0.0;
     Eigen::Vector2d corrected = Eigen::Vector2d::Zero();
     run.after_step = [&](FedFilter& fed, int k) {
@@ -177,7 +117,7 @@ TEST(AlignmentFilterLatency, OfAFixCostsNoMoreThanTheVelocityThatWasGainedMeanwh
     run.seconds(prompt, 120.9);
     EXPECT_LT(std::sqrt(allowance), 1.0);  // or the test could not fail
 
-    Session late_run;
+    Trial late_run;
     late_run.latency = 15;
     FedFilter late;
     late_run.seconds(late, 120.9);
@@ -190,7 +130,7 @@ TEST(AlignmentFilterLatency, OfAFixCostsNoMoreThanTheVelocityThatWasGainedMeanwh
 
 TEST(AlignmentFilterLatency, AFixOlderThanTheHistoryIsRejected) {
     FedFilter fed;
-    const Session run;
+    const Trial run;
     run.seconds(fed, 20.5);
     const std::string before = estimate(fed);
     GnssFix old = run.table.fix(20.1);
@@ -214,9 +154,9 @@ TEST(AlignmentFilterLatency, AFixOlderThanTheHistoryIsRejected) {
 
 TEST(AlignmentFilterLeverArm, OnATurntableMakesNoDifferenceWhenItIsKnown) {
     const Vector3d lever_arm(3.0, -5.0, 2.0);
-    Session with{.lever_arm = lever_arm};
+    Trial with{.lever_arm = lever_arm};
     with.table.rate = 0.2;
-    const Session without{.table = with.table};
+    const Trial without{.table = with.table};
     FedFilter a;
     a.filter.parameters.gnss.lever_arm = lever_arm;
     with.seconds(a, 200.0);
@@ -235,7 +175,7 @@ TEST(AlignmentFilterLeverArm, OnATurntableMakesNoDifferenceWhenItIsKnown) {
 }
 
 TEST(AlignmentFilterLeverArm, ThatIsNotKnownShowsInTheInnovation) {
-    Session run{.heading_error = 0.0, .lever_arm = Vector3d(3.0, -5.0, 2.0)};
+    Trial run{.heading_error = 0.0, .lever_arm = Vector3d(3.0, -5.0, 2.0)};
     run.table.rate = 0.2;
     FedFilter fed;
     fed.filter.parameters.prior.velocity_sigma = 0.01;
@@ -245,7 +185,7 @@ TEST(AlignmentFilterLeverArm, ThatIsNotKnownShowsInTheInnovation) {
 
 TEST(AlignmentFilterBadData, OfTheImuLeavesTheEstimateAndIsCountedAndLogged) {
     FedFilter fed;
-    const Session run;
+    const Trial run;
     run.seconds(fed, 20.5);
     const std::string before = estimate(fed);
     const ImuIncrement good = run.table.increment(0.0, 0.02);
@@ -271,7 +211,7 @@ TEST(AlignmentFilterBadData, OfTheImuLeavesTheEstimateAndIsCountedAndLogged) {
 TEST(AlignmentFilterBadData, OfTheReceiverChangesNothingAtAll) {
     FedFilter clean;
     FedFilter disturbed;
-    Session run;
+    Trial run;
     run.seconds(clean, 60.0);
     int sent = 0;
     run.after_step = [&](FedFilter& fed, int k) {
@@ -309,7 +249,7 @@ TEST(AlignmentFilterBadData, OfTheReceiverChangesNothingAtAll) {
 TEST(AlignmentFilterBadData, OfOneSampleIsBridged) {
     FedFilter clean;
     FedFilter disturbed;
-    const Session run;
+    const Trial run;
     run.seconds(clean, 60.0);
     run.start(disturbed);
     for (int k = 1; k <= 60 * kRate; ++k) {
@@ -332,7 +272,7 @@ TEST(AlignmentFilterBadData, OfOneSampleIsBridged) {
 
 TEST(AlignmentFilterBadData, AStepWithoutNewDataChangesNothing) {
     FedFilter fed;
-    const Session run;
+    const Trial run;
     run.seconds(fed, 20.5);
     const std::string before = bytes(fed.filter.outputs);
     for (int i = 0; i < 10; ++i) {
@@ -342,7 +282,7 @@ TEST(AlignmentFilterBadData, AStepWithoutNewDataChangesNothing) {
 }
 
 TEST(AlignmentFilterGate, RejectsAnOutlierAndSaysSo) {
-    Session run;
+    Trial run;
     run.fix_noise = [](int second) { return Vector3d(second == 100 ? 5.0 : 0.0, 0.0, 0.0); };
     FedFilter fed;
     run.seconds(fed, 100.0);
@@ -369,7 +309,7 @@ TEST(AlignmentFilterGate, IsOpenedForAStartBeyondItsPrior) {
         parameters.gate.patience = patience;
         parameters.prior.heading_sigma = 1.0 * kDegree;
         parameters.prior.velocity_sigma = 0.1;
-        const Session run;
+        const Trial run;
         run.start(fed);
         parameters.initial.velocity = {2.0, -2.0, 0.0};
         fed.filter.initialise(0.0);
@@ -391,7 +331,7 @@ TEST(AlignmentFilterGate, IsOpenedForAStartBeyondItsPrior) {
 TEST(AlignmentFilterStart, FarFromTheFirstFixIsQuestioned) {
     for (const double distance : {9e3, 11e3}) {
         FedFilter fed;
-        const Session run;
+        const Trial run;
         run.start(fed);
         fed.filter.parameters.initial.latitude += distance / 6371e3;
         fed.filter.initialise(0.0);
@@ -404,7 +344,7 @@ TEST(AlignmentFilterStart, FarFromTheFirstFixIsQuestioned) {
 TEST(AlignmentFilterInterval, LongerThanASecondIsWarnedOfOnce) {
     for (const double step : {1.0, 2.0}) {
         FedFilter fed;
-        const Session run;
+        const Trial run;
         run.start(fed);
         for (int k = 1; k <= 5; ++k) {
             fed.put_sample(k * step, run.table.increment((k - 1) * step, k * step));
@@ -417,7 +357,7 @@ TEST(AlignmentFilterInterval, LongerThanASecondIsWarnedOfOnce) {
 
 TEST(AlignmentFilterReset, RepeatsARunBitByBit) {
     FedFilter fed;
-    const Session run;
+    const Trial run;
     run.seconds(fed, 30.0);
     const std::string first = bytes(fed.filter.outputs);
     fed.filter.inputs = {};
@@ -427,7 +367,7 @@ TEST(AlignmentFilterReset, RepeatsARunBitByBit) {
 
 TEST(AlignmentFilterSerialised, ContinuesBitByBit) {
     for (const bool feedback : {true, false}) {
-        const Session run;
+        const Trial run;
         FedFilter whole;
         whole.filter.parameters.feedback = feedback;
         whole.filter.parameters.corrector = Corrector::h_infinity;
@@ -454,7 +394,7 @@ TEST(AlignmentFilterStatus, GoesFromWaitingOverAligningToConvergedAndCoasting) {
     FedFilter fed;
     fed.filter.parameters.convergence.heading_sigma = 1.0 * kDegree;
     fed.filter.parameters.convergence.hold_time = 20.0;
-    Session run;
+    Trial run;
     double below = kNaN;
     double converged = kNaN;
     run.after_step = [&](FedFilter& f, int) {
@@ -505,7 +445,7 @@ TEST(AlignmentFilterRobust, SaysWhenItBacksOffFromAnInfeasibleGamma) {
     parameters.corrector = Corrector::h_infinity;
     parameters.robust.scaling = RobustScaling::printed;
     parameters.robust.gamma = 0.1;  // gamma^2 = 0.01 below the heading variance of (10 deg)^2 = 0.03
-    const Session run;
+    const Trial run;
     run.seconds(fed, 1.0);
     EXPECT_FALSE(fed.filter.outputs.robust.feasible);
     EXPECT_EQ(fed.filter.outputs.robust.gamma_effective, 0.0);  // no H-infinity term was applied
@@ -525,7 +465,7 @@ TEST(AlignmentFilterRobust, StaysFiniteUnderEveryScalingAndGamma) {
                 parameters.robust.scaling = scaling;
                 parameters.robust.states = states;
                 parameters.robust.gamma = gamma;
-                const Session run;
+                const Trial run;
                 run.seconds(fed, 20.0);
                 EXPECT_NE(fed.filter.outputs.status, Status::faulted) << gamma;
                 EXPECT_TRUE(std::isfinite(fed.filter.outputs.nav.heading)) << gamma;
@@ -591,7 +531,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(AlignmentFilterRetune, TakesATunableParameterOverBetweenSteps) {
     FedFilter fed;
-    const Session run;
+    const Trial run;
     run.seconds(fed, 10.0);
     fed.filter.parameters.measurement.velocity_sigma = 10.0;
     fed.filter.retune();

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "components/alignment_filter.hpp"
-#include "lines.hpp"
+#include "components/gnss_input.hpp"
+#include "inertial/mechanisation.hpp"
 
 namespace truenorth {
 
@@ -47,45 +47,6 @@ struct Turntable {
         const Eigen::Vector3d omega_eb_b = state.q_bn.conjugate() * Eigen::Vector3d(0.0, 0.0, -rate);
         return {time, point_position(state, lever_arm), point_velocity(state, omega_eb_b, lever_arm)};
     }
-};
-
-// An AlignmentFilter fed by hand.
-class FedFilter {
-  public:
-    FedFilter() = default;
-
-    void start(const Turntable& table, double heading_error) {
-        auto& initial = filter.parameters.initial;
-        initial.roll = table.roll;
-        initial.pitch = table.pitch;
-        initial.heading = table.heading + heading_error;
-        initial.latitude = table.position.latitude;
-        initial.longitude = table.position.longitude;
-        initial.height = table.position.height;
-        initial.velocity.setZero();
-        filter.initialise(0.0);
-    }
-
-    void put_sample(double time, const ImuIncrement& increment) {
-        auto& port = filter.inputs.imu;
-        ++port.sample;
-        port.time = time;
-        port.delta_angle = increment.delta_angle;
-        port.delta_velocity = increment.delta_velocity;
-    }
-    void put_fix(const GnssFix& fix) {
-        auto& port = filter.inputs.gnss;
-        ++port.sample;
-        port.time = fix.time;
-        port.latitude = fix.position.latitude;
-        port.longitude = fix.position.longitude;
-        port.height = fix.position.height;
-        port.velocity = fix.velocity;
-    }
-    void step() { filter.step(0.0, 0.0); }
-
-    Lines log;
-    AlignmentFilter filter{log};
 };
 
 }  // namespace truenorth

@@ -58,6 +58,8 @@ LoadedFmu::LoadedFmu(const std::string& binary, const std::string& description)
     set_real_ = function<fmi2SetRealTYPE>("fmi2SetReal");
     get_integer_ = function<fmi2GetIntegerTYPE>("fmi2GetInteger");
     set_integer_ = function<fmi2SetIntegerTYPE>("fmi2SetInteger");
+    get_boolean_ = function<fmi2GetBooleanTYPE>("fmi2GetBoolean");
+    set_boolean_ = function<fmi2SetBooleanTYPE>("fmi2SetBoolean");
     do_step_ = function<fmi2DoStepTYPE>("fmi2DoStep");
     free_instance_ = function<fmi2FreeInstanceTYPE>("fmi2FreeInstance");
     callbacks_.logger = log;
@@ -104,8 +106,9 @@ void LoadedFmu::read(Port<double>& port) {
 }
 
 void LoadedFmu::read(Port<int>& port) {
-    require(get_integer_(component_, port.references.data(), port.references.size(), port.values.data()),
-            "fmi2GetInteger");
+    auto* get = port.boolean ? get_boolean_ : get_integer_;
+    require(get(component_, port.references.data(), port.references.size(), port.values.data()),
+            port.boolean ? "fmi2GetBoolean" : "fmi2GetInteger");
 }
 
 void LoadedFmu::write(const Port<double>& port) {
@@ -114,8 +117,9 @@ void LoadedFmu::write(const Port<double>& port) {
 }
 
 void LoadedFmu::write(const Port<int>& port) {
-    require(set_integer_(component_, port.references.data(), port.references.size(), port.values.data()),
-            "fmi2SetInteger");
+    auto* set = port.boolean ? set_boolean_ : set_integer_;
+    require(set(component_, port.references.data(), port.references.size(), port.values.data()),
+            port.boolean ? "fmi2SetBoolean" : "fmi2SetInteger");
 }
 
 double LoadedFmu::get(const std::string& name) {

@@ -14,6 +14,7 @@ struct Port {
     std::vector<std::string> names;
     std::vector<fmi2ValueReference> references;
     std::vector<Value> values;
+    bool boolean = false;  // FMI 2 has int for Boolean too, and other functions
 };
 
 class LoadedFmu {
@@ -41,7 +42,7 @@ class LoadedFmu {
     void store_state();
 
     [[nodiscard]] fmi2ValueReference reference(const std::string& name) const;
-    // Names of the scalars of a type (Real, Integer) and a causality (input, output).
+    // Names of the scalars of a type (Real, Integer, Boolean) and a causality (input, output).
     [[nodiscard]] std::vector<std::string> names(const std::string& type, const std::string& causality) const;
 
   private:
@@ -56,6 +57,8 @@ class LoadedFmu {
     fmi2SetRealTYPE* set_real_;
     fmi2GetIntegerTYPE* get_integer_;
     fmi2SetIntegerTYPE* set_integer_;
+    fmi2GetBooleanTYPE* get_boolean_;
+    fmi2SetBooleanTYPE* set_boolean_;
     fmi2DoStepTYPE* do_step_;
     fmi2FreeInstanceTYPE* free_instance_;
 };
