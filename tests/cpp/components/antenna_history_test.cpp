@@ -101,5 +101,35 @@ TEST(AntennaHistory, ShiftMovesEveryEntry) {
     }
 }
 
+TEST(AntennaHistory, TurnTurnsAttitudeAndLeverArmOfEveryEntry) {
+    // A body that turns at 0.2 rad/s about up, antenna 5 m forward.
+    const auto turning = [](double time) {
+        AntennaState state = state_at(time);
+        state.q_bn = Eigen::AngleAxisd(0.2 * time, Vector3d::UnitZ());
+        state.omega_eb_b = {0.0, 0.0, 0.2};
+        state.lever_velocity = state.q_bn * state.omega_eb_b.cross(Vector3d(0.0, 5.0, 0.0));
+        state.velocity += state.lever_velocity;
+        return state;
+    };
+    AntennaHistory history;
+    for (int k = 0; k <= 10; ++k) {
+        history.push(turning(0.1 * k));
+    }
+    const Eigen::Matrix3d R = Eigen::AngleAxisd(0.3, Vector3d(0.6, 0.0, 0.8)).toRotationMatrix();
+    history.turn(R, {});
+    for (const double time : {0.0, 0.3, 0.85, 1.0}) {
+        const AntennaState before = turning(time);
+        const auto after = history.at(time);
+        ASSERT_TRUE(after);
+        EXPECT_LT((after->q_bn.toRotationMatrix() - R * before.q_bn.toRotationMatrix()).norm(), 1e-12)
+            << time;
+        EXPECT_LT((after->omega_eb_b - before.omega_eb_b).norm(), 1e-12);
+        // The lever velocity is interpolated along the chord.
+        EXPECT_LT((after->lever_velocity - R * before.lever_velocity).norm(), 1e-4);
+        EXPECT_LT((after->velocity - after->lever_velocity - before.velocity + before.lever_velocity).norm(),
+                  1e-12);
+    }
+}
+
 }  // namespace
 }  // namespace truenorth
