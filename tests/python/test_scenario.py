@@ -18,6 +18,14 @@ SHIPPED = {
     "overconfident_prior",
     "gnss_outliers",
     "parked_vehicle",
+    "flight_constant_speed",
+    "flight_outliers",
+    "flight_wrong_start",
+    "flight_accelerometer_fault",
+    "flight_varying_noise",
+    "flight_loose_tight",
+    "gnss_outage_turn",
+    "gnss_outage_turn_tight",
 }
 
 
