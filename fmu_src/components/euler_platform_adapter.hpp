@@ -25,10 +25,10 @@ struct Adapter<EulerPlatform> {
 
     template <class Parameters>
     static void check(const Parameters& p) {
-        if (p.velocity_form != decltype(p.velocity_form)::transposed) {
+        using Form = decltype(p.velocity_form);
+        if (p.velocity_form != Form::transposed && p.velocity_form != Form::vertical_force) {
             rules::refuse("velocity_form", static_cast<int>(p.velocity_form),
-                          "transposed (1) unless error_model is large_azimuth: the Euler models have one "
-                          "right form");
+                          "transposed (1) or vertical_force (3) unless error_model is large_azimuth");
         }
         for (int i = 0; i < 3; ++i) {
             if (p.initial.velocity[i] != 0.0) {
@@ -58,6 +58,9 @@ struct Adapter<EulerPlatform> {
                 model.form = Misalignment::large;
                 break;
         }
+        using Form = EulerPlatform::VelocityForm;
+        const bool vertical = p.velocity_form == decltype(p.velocity_form)::vertical_force;
+        model.velocity_form = vertical ? Form::vertical_force : Form::transposed;
         model.noise = {.angle_random_walk = p.process.angle_random_walk,
                        .velocity_random_walk = p.process.velocity_random_walk,
                        .velocity_sigma = p.measurement.velocity_sigma};

@@ -81,7 +81,10 @@ Matrix<EulerPlatform::kStates> EulerPlatform::jacobian(const State& x, const Int
         F.block<3, 3>(kAlphaX, kAlphaX) += derivative_of_euler_rates(alpha, turn);
     }
     F.block<3, 3>(kAlphaX, kVelocityEast) = rates * T;
-    F.block<3, 3>(kVelocityEast, kAlphaX) = -derivative_of_transposed_product(form, alpha, interval.force);
+    F.block<3, 3>(kVelocityEast, kAlphaX) =
+        velocity_form == VelocityForm::vertical_force
+            ? derivative_of_product(form, alpha, {0.0, 0.0, interval.gravity})
+            : Matrix3d(-derivative_of_transposed_product(form, alpha, interval.force));
     F.block<3, 3>(kVelocityEast, kVelocityEast) = interval.coriolis() + skew(dv) * T - skew(T * dv);
     return F;
 }

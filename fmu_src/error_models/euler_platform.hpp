@@ -6,9 +6,11 @@
 //
 // with C = C_n^{n'} and dw_en = T dv; w_g and w_a are the white noises of gyros and accelerometers, whose
 // biases the reduced filter leaves out. `form` chooses C: large (eq. 25), large azimuth (eq. 26) or small
-// (eq. 27); in the last two C_w = I. Zhao 2012 writes (C - I) f^n with the force of the true frame; here f'
-// is the computed force, and its term as it follows from that. Errors are computed minus true. The large form
-// is singular where alpha_x is a quarter turn.
+// (eq. 27); in the last two C_w = I. Zhao 2012 writes (C - I) f^n with the force of the true frame, which on a
+// base at rest is (0, 0, g); `VelocityForm` offers that and the form with the computed force f'. The two agree
+// at the true angles, but while the tilts are still being found the rows with f' depend on the heading and
+// seem to measure it. Errors are computed minus true. The large form is singular where alpha_x is a quarter
+// turn.
 //
 // The base does not move, so the computed velocity is the error: the measurement is the velocity of the
 // mechanisation itself, all three components. Zhao 2012 damps the mechanisation: after every fix, `damp`
@@ -38,6 +40,12 @@ class EulerPlatform {
     static constexpr int kMeasurements = 3;
     using State = Vector<kStates>;
 
+    // How the velocity rows treat the force.
+    enum class VelocityForm {
+        transposed,      // (I - C^T) f'
+        vertical_force,  // (C - I) (0, 0, g): eqs. 25 to 27 as printed, for a base at rest; no false heading
+    };
+
     struct Noise {
         double angle_random_walk;     // gyro [rad/s^0.5]
         double velocity_random_walk;  // accelerometer [m/s^1.5]
@@ -55,6 +63,7 @@ class EulerPlatform {
     };
 
     Misalignment form = Misalignment::large;
+    VelocityForm velocity_form = VelocityForm::transposed;
     Discretisation discretisation = Discretisation::runge_kutta;
     Noise noise{};
 
@@ -127,12 +136,17 @@ Set EulerPlatform::rate(const Set& x, const Interval& interval) const {
 
     // Velocity.
     const Eigen::Vector3d& f = interval.force;
+    const Eigen::Vector3d vertical(0.0, 0.0, interval.gravity);
+    const auto force = [&](int i) -> Row {
+        return velocity_form == VelocityForm::vertical_force ? Row(C.times(i, vertical) - vertical[i])
+                                                             : Row(f[i] - C.transposed_times(i, f));
+    };
     const Eigen::Matrix3d A = interval.coriolis();
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
         const int k = (i + 2) % 3;
         rate.row(kVelocityEast + i) =
-            f[i] - C.transposed_times(i, f) + times_dv(A, i) - (dw[j] * dv[k] - dw[k] * dv[j]);
+            force(i) + times_dv(A, i) - (dw[j] * dv[k] - dw[k] * dv[j]);
     }
     return rate;
 }
