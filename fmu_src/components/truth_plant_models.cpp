@@ -87,6 +87,7 @@ plant::InertialSensor::Errors errors(const Sensor& sensor) {
     return {
         .bias = sensor.bias,
         .bias_sigma = sensor.bias_sigma,
+        .bias_limit = sensor.bias_limit,
         .white_noise = sensor.white_noise,
         .markov_sigma = sensor.markov_sigma,
         .markov_time = sensor.markov_time,

@@ -6,11 +6,11 @@
 //
 // with C = C_n^{n'} and dw_en = T dv; w_g and w_a are the white noises of gyros and accelerometers, whose
 // biases the reduced filter leaves out. `form` chooses C: large (eq. 25), large azimuth (eq. 26) or small
-// (eq. 27); in the last two C_w = I. Zhao 2012 writes (C - I) f^n with the force of the true frame, which on a
-// base at rest is (0, 0, g); `VelocityForm` offers that and the form with the computed force f'. The two agree
-// at the true angles, but while the tilts are still being found the rows with f' depend on the heading and
-// seem to measure it. Errors are computed minus true. The large form is singular where alpha_x is a quarter
-// turn.
+// (eq. 27); in the last two C_w = I. Zhao 2012 writes (C - I) f^n with the force of the true frame, which on
+// a base at rest is (0, 0, g); `VelocityForm` offers that and the form with the computed force f'. The two
+// agree at the true angles, but while the tilts are still being found the rows with f' depend on the heading
+// and seem to measure it. Errors are computed minus true. The large form is singular where alpha_x is a
+// quarter turn.
 //
 // The base does not move, so the computed velocity is the error: the measurement is the velocity of the
 // mechanisation itself, all three components. Zhao 2012 damps the mechanisation: after every fix, `damp`
@@ -145,8 +145,7 @@ Set EulerPlatform::rate(const Set& x, const Interval& interval) const {
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
         const int k = (i + 2) % 3;
-        rate.row(kVelocityEast + i) =
-            force(i) + times_dv(A, i) - (dw[j] * dv[k] - dw[k] * dv[j]);
+        rate.row(kVelocityEast + i) = force(i) + times_dv(A, i) - (dw[j] * dv[k] - dw[k] * dv[j]);
     }
     return rate;
 }

@@ -10,7 +10,8 @@ namespace truenorth::plant {
 InertialSensor::InertialSensor(const Errors& errors, double period, const Streams& streams)
     : gain_((Eigen::Vector3d::Ones() + errors.scale_factor).asDiagonal() *
             quaternion(-errors.misalignment).toRotationMatrix()),
-      bias_(errors.bias + errors.bias_sigma * streams.bias.normal(0)),
+      bias_(errors.bias + errors.bias_sigma * streams.bias.normal(0) +
+            errors.bias_limit * (2.0 * streams.bias.uniform(1).head<3>() - Eigen::Vector3d::Ones())),
       bias_step_(errors.bias_step),
       bias_step_time_(errors.bias_step_time),
       bias_step_duration_(errors.bias_step_duration),

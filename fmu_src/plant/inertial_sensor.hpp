@@ -22,6 +22,7 @@ class InertialSensor {
     struct Errors {
         Eigen::Vector3d bias = Eigen::Vector3d::Zero();  // [u/s]
         double bias_sigma = 0.0;                         // of the part that is drawn for each run [u/s]
+        double bias_limit = 0.0;                         // of a part that is drawn uniformly within it [u/s]
         double white_noise = 0.0;                        // density [u/s^0.5]
         double markov_sigma = 0.0;                       // [u/s]
         double markov_time = 1.0;                        // [s]

@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadParameter{"velocity_form",
                      [](Parameters& p) {
                          p.error_model = alignment_filter::ErrorModel::euler_platform;
-                         p.velocity_form = alignment_filter::VelocityForm::vertical_force;
+                         p.velocity_form = alignment_filter::VelocityForm::computed_force;
                      }},
         BadParameter{"initial.velocity[2]",
                      [](Parameters& p) {

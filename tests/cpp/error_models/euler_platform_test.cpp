@@ -13,9 +13,11 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Model = EulerPlatform;
 using State = Model::State;
+using Form = Model::VelocityForm;
 
 constexpr std::array<Misalignment, 3> kForms{Misalignment::large, Misalignment::large_azimuth,
                                              Misalignment::small};
+constexpr std::array<Form, 2> kVelocityForms{Form::transposed, Form::vertical_force};
 
 // At rest: the trusted velocity is zero.
 Model::Interval at_rest(RandomValues& random) {
@@ -30,8 +32,8 @@ State random_state(RandomValues& random) {
     return x;
 }
 
-// Equations 25 to 27 word for word, with science's velocity row.
-State transcription(Misalignment form, const State& x, const Model::Interval& i) {
+// Equations 25 to 27 word for word; the force of the true frame is vertical, or comes from the computed one.
+State transcription(Misalignment form, Form velocity_form, const State& x, const Model::Interval& i) {
     const Vector3d alpha = x.head<3>();
     const Vector3d dv = x.tail<3>();
     const Matrix3d I = Matrix3d::Identity();
@@ -39,8 +41,11 @@ State transcription(Misalignment form, const State& x, const Model::Interval& i)
     const Vector3d dw_en(-dv.y() * i.per_meridian_radius, dv.x() * i.per_prime_vertical_radius,
                          dv.x() * i.per_prime_vertical_radius * i.tan_latitude);
     const Vector3d turn = (I - C) * i.omega_ie + dw_en;
+    const Vector3d force = velocity_form == Form::vertical_force
+                               ? Vector3d((C - I) * Vector3d(0.0, 0.0, i.gravity))
+                               : Vector3d((I - C.transpose()) * i.force);
     State rate;
-    rate << turn, (I - C.transpose()) * i.force - (2.0 * i.omega_ie + dw_en).cross(dv);
+    rate << turn, force - (2.0 * i.omega_ie + dw_en).cross(dv);
     if (form == Misalignment::large) {
         rate.head<3>() = euler_rate_matrix(alpha).partialPivLu().solve(turn);
     }
@@ -53,9 +58,13 @@ TEST(EulerPlatformRate, IsTheTranscriptionOfEveryForm) {
         const State x = random_state(random);
         const Model::Interval interval = at_rest(random);
         for (const Misalignment form : kForms) {
-            const State difference = Model{.form = form}.rate(x, interval) - transcription(form, x, interval);
-            EXPECT_LT(difference.head<3>().norm(), 1e-18) << static_cast<int>(form);
-            EXPECT_LT(difference.tail<3>().norm(), 1e-13) << static_cast<int>(form);
+            for (const Form velocity_form : kVelocityForms) {
+                const Model model{.form = form, .velocity_form = velocity_form};
+                const State difference =
+                    model.rate(x, interval) - transcription(form, velocity_form, x, interval);
+                EXPECT_LT(difference.head<3>().norm(), 1e-18) << static_cast<int>(form);
+                EXPECT_LT(difference.tail<3>().norm(), 1e-13) << static_cast<int>(form);
+            }
         }
     }
 }
@@ -110,10 +119,24 @@ TEST(EulerPlatformRate, OfTheLargeFormIsTheErrorOfAMechanisationAtRestForAnyAngl
         const Matrix3d C_bn = computed.q_bn.toRotationMatrix();
         const auto interval =
             interval_of<Model>({1.0, C_bn, C_bn * pair.force_b, Vector3d::Zero(), truth.position});
-        const State rate = Model{}.rate(x, interval);
         // The quotient's rounding: 1e-15 rad and 1e-15 m/s over 1 ms.
-        EXPECT_LT((rate - derivative).head<3>().norm(), 1e-11 / std::cos(x(0)));
-        EXPECT_LT((rate - derivative).tail<3>().norm(), 1e-7);
+        for (const Form velocity_form : kVelocityForms) {
+            const State rate = Model{.velocity_form = velocity_form}.rate(x, interval);
+            EXPECT_LT((rate - derivative).head<3>().norm(), 1e-11 / std::cos(x(0)));
+            EXPECT_LT((rate - derivative).tail<3>().norm(), 1e-7);
+        }
+    }
+}
+
+TEST(EulerPlatformRate, WithAVerticalForceTheVelocityTellsNothingOfTheHeading) {
+    RandomValues random(12);
+    const Model model{.velocity_form = Form::vertical_force};
+    for (int n = 0; n < 20; ++n) {
+        const State x = random_state(random);
+        const Model::Interval interval = at_rest(random);
+        const Matrix<Model::kStates> F = model.jacobian(x, interval);
+        EXPECT_LT((F.block<3, 1>(Model::kVelocityEast, Model::kAlphaZ).norm()), 1e-14);
+        EXPECT_GT((F.block<3, 2>(Model::kVelocityEast, Model::kAlphaX).norm()), 1.0);
     }
 }
 
@@ -149,13 +172,16 @@ TEST(EulerPlatformJacobian, IsTheDerivativeOfTheRate) {
         // A moving base as well, so that no term goes unseen.
         const Model::Interval interval = interval_of<Model>(random.interval());
         for (const Misalignment form : kForms) {
-            const Model model{.form = form};
-            const auto rate = [&](const State& y) { return model.rate(y, interval); };
-            const Matrix<Model::kStates> expected = central_difference<6, 6>(rate, x, 1e-5);
-            const Matrix<Model::kStates> difference = model.jacobian(x, interval) - expected;
-            EXPECT_LT(difference.topRows<3>().norm(), 1e-9 * (1e-4 + expected.topRows<3>().norm()) + 1e-14)
-                << static_cast<int>(form);
-            EXPECT_LT(difference.bottomRows<3>().norm(), 1e-8) << static_cast<int>(form);
+            for (const Form velocity_form : kVelocityForms) {
+                const Model model{.form = form, .velocity_form = velocity_form};
+                const auto rate = [&](const State& y) { return model.rate(y, interval); };
+                const Matrix<Model::kStates> expected = central_difference<6, 6>(rate, x, 1e-5);
+                const Matrix<Model::kStates> difference = model.jacobian(x, interval) - expected;
+                EXPECT_LT(difference.topRows<3>().norm(),
+                          1e-9 * (1e-4 + expected.topRows<3>().norm()) + 1e-14)
+                    << static_cast<int>(form);
+                EXPECT_LT(difference.bottomRows<3>().norm(), 1e-8) << static_cast<int>(form);
+            }
         }
     }
 }

@@ -123,6 +123,7 @@ TEST(InertialSensor, TheQuantiserCarriesItsRemainder) {
 TEST(InertialSensor, SourcesDoNotDisturbEachOther) {
     const InertialSensor::Errors all{
         .bias_sigma = 0.1,
+        .bias_limit = 0.1,
         .white_noise = 0.2,
         .markov_sigma = 0.3,
         .markov_time = 5.0,
@@ -130,9 +131,8 @@ TEST(InertialSensor, SourcesDoNotDisturbEachOther) {
         .wave_period = 2.0,
     };
     const std::vector<double InertialSensor::Errors::*> sources{
-        &InertialSensor::Errors::bias_sigma,
-        &InertialSensor::Errors::white_noise,
-        &InertialSensor::Errors::markov_sigma,
+        &InertialSensor::Errors::bias_sigma,  &InertialSensor::Errors::bias_limit,
+        &InertialSensor::Errors::white_noise, &InertialSensor::Errors::markov_sigma,
         &InertialSensor::Errors::wave_sigma,
     };
     const auto with_all = measure(all, 7, 500, Eigen::Vector3d::Zero());
@@ -177,6 +177,26 @@ TEST(InertialSensor, DrawnBiasesAreNormal) {
     EXPECT_NEAR(neighbours / count, 0.0, kSigmas / std::sqrt(count));  // of neighbouring seeds
     EXPECT_NEAR(static_cast<double>(within_sigma) / count, 0.6827,
                 kSigmas * std::sqrt(0.6827 * 0.3173 / count));
+}
+
+TEST(InertialSensor, BiasesDrawnWithinALimitAreUniform) {
+    InertialSensor::Errors errors;
+    errors.bias_limit = 2.0;
+    constexpr int count = 3 * 4000;
+    double sum = 0.0;
+    double squares = 0.0;
+    int within_half = 0;
+    for (std::uint32_t seed = 1; seed <= count / 3; ++seed) {
+        const InertialSensor sensor(errors, kPeriod, streams(seed));
+        const Eigen::Vector3d bias = sensor.slow_error(sensor.begin(), 0.0) / errors.bias_limit;
+        ASSERT_LT(bias.cwiseAbs().maxCoeff(), 1.0);
+        sum += bias.sum();
+        squares += bias.squaredNorm();
+        within_half += static_cast<int>((bias.array().abs() < 0.5).count());
+    }
+    EXPECT_NEAR(sum / count, 0.0, kSigmas / std::sqrt(3.0 * count));
+    EXPECT_NEAR(squares / count, 1.0 / 3.0, kSigmas * std::sqrt(4.0 / 45.0 / count));
+    EXPECT_NEAR(static_cast<double>(within_half) / count, 0.5, kSigmas * std::sqrt(0.25 / count));
 }
 
 class SensorOfSeed : public testing::TestWithParam<std::uint32_t> {};
