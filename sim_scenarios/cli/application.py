@@ -8,6 +8,7 @@ from sim_scenarios.cli.bound import show_bound
 from sim_scenarios.cli.campaign import run_campaign
 from sim_scenarios.cli.compare import compare_filters
 from sim_scenarios.cli.listing import list_scenarios
+from sim_scenarios.cli.paper import reproduce_paper
 from sim_scenarios.cli.replay import replay_recording
 from sim_scenarios.cli.run import run_scenario
 
@@ -33,6 +34,7 @@ def truenorth() -> None:
         truenorth run swaying_ship               one run, one verdict, one report
         truenorth compare swaying_ship_printed   several filters, the same signals
         truenorth campaign zigzag -n 100         many runs, and what they say together
+        truenorth paper zhou                     what a paper prints, and what is found
         truenorth bound zigzag                   how well any filter could do
         truenorth replay imu.csv --heading 100   a recorded IMU through the filter
 
@@ -45,5 +47,6 @@ app.command("list")(list_scenarios)
 app.command("run")(run_scenario)
 app.command("compare")(compare_filters)
 app.command("campaign")(run_campaign)
+app.command("paper")(reproduce_paper)
 app.command("bound")(show_bound)
 app.command("replay")(replay_recording)

@@ -41,11 +41,15 @@ class Results:
         if not os.access(existing, os.W_OK | os.X_OK):
             raise InputError(f"--output {folder}: {existing} cannot be written")
 
+    def folder(self, name: str) -> Path:
+        """Where a result of this name goes."""
+        return self.output or _unused(DEFAULT / name)
+
     def write(
         self, data: xr.Dataset, report: Callable[[xr.Dataset, Path], Path], name: str
     ) -> dict[str, str]:
         """Write report and recording; their paths."""
-        folder = self.output or _unused(DEFAULT / name)
+        folder = self.folder(name)
         try:
             page = report(data, folder)
             recording.save(data, folder / "recording.nc")

@@ -1,31 +1,49 @@
-"""The Monte-Carlo table: its arithmetic, and that it runs."""
+"""The Monte-Carlo table: its arithmetic, and that its scenarios and filters exist."""
 
+from __future__ import annotations
+
+import numpy as np
 import pytest
 
-from sim_scenarios.bands import CHECKS, Check, heading_rmse, rows
+from sim_scenarios.bands import CHECKS, Band, Check, rows
+from sim_scenarios.ensemble import COLUMNS, FIGURES, HEADING, Ensemble, Errors
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.units import ARCMIN
+
+
+def runs_with(headings: dict[str, list[float]]) -> Ensemble:
+    """Runs with a constant heading error each [arcmin]."""
+    filters = {}
+    for label, each in headings.items():
+        values = np.zeros((len(each), 2, COLUMNS))
+        values[:, :, HEADING] = np.array(each)[:, None] * ARCMIN
+        filters[label] = Errors(np.array([0.0, 1.0]), values, ARCMIN)
+    return Ensemble(filters, {"evaluation.start": 0.0, "evaluation.stop": 1.0})
 
 
 def test_rows_are_root_mean_squares_over_runs() -> None:
-    check = Check("any", {"a": (4, 6), "b": (0, 1)}, {("a", "b"): (0.9, 1.1)})
-    a, b, ratio = rows(check, [{"a": 3.0, "b": 4.0}, {"a": 4.0, "b": 3.0}, {"a": 7.0, "b": 7.0}])
+    check = Check("any", [Band("a", 4, 6), Band("b", 0, 1), Band("a", 0.9, 1.1, over="b")])
+    runs = runs_with({"a": [3, 4, 7], "b": [4, 3, 7]})
+    a, b, ratio = rows(check, runs, 3)
     root_mean_square = ((9 + 16 + 49) / 3) ** 0.5
-    assert a.value == b.value == pytest.approx(root_mean_square)
-    assert a.spread == (3, 7)
+    assert (a.value, b.value) == pytest.approx((root_mean_square, root_mean_square))
+    assert a.spread == pytest.approx((3, 7))
+    assert ratio.value == pytest.approx(1)
     assert (a.ok, b.ok, ratio.ok) == (True, False, True)
-    assert a.markdown() == "| any | a | 4.97 | 3.00 to 7.00 | 4 to 6 | ok |"
+    assert a.markdown() == "| any | a | heading RMSE ['] | 4.967 | 3 to 7 | 4 to 6 | ok | `--only any -n 3` |"
     assert "**missed**" in b.markdown()
+    assert ratio.markdown().startswith("| any | a / b | heading RMSE | 1 |  | 0.9 to 1.1 | ok |")
+
+
+def test_a_band_may_be_open_above() -> None:
+    (row,) = rows(Check("any", [Band("a", 40, float("inf"))]), runs_with({"a": [50]}), 1)
+    assert row.ok
+    assert "| above 40 |" in row.markdown()
 
 
 def test_every_check_names_filters_that_its_scenario_compares(fmus: Fmus) -> None:
     for check in CHECKS:
-        filters = set(load_scenario(check.scenario, fmus).compare)
-        assert filters >= {*check.bands, *(label for pair in check.ratios for label in pair)}, check.scenario
-
-
-@pytest.mark.usefixtures("fmus")
-def test_a_run_gives_a_figure_for_each_filter() -> None:
-    figures = heading_rmse("overconfident_prior", 1)
-    assert set(figures) == {"UKF", "robust UKF, heading only", "UKF, honest prior"}
-    assert all(0 < figure < 120 for figure in figures.values())
+        assert set(load_scenario(check.scenario, fmus).compare) >= set(check.labels), check.scenario
+        assert {band.figure for band in check.bands} <= FIGURES.keys()
+        assert all(band.low < band.high for band in check.bands)

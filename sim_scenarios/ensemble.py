@@ -1,0 +1,313 @@
+"""Many runs of a scenario in a pool of processes, and the figures that they make together.
+
+A run gives the errors of each filter at every recorded instant. A figure is a statistic of some of them over
+a window and over all runs; of a single run it is the same statistic of that run alone.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from sim_scenarios import recording, simulation
+from sim_scenarios.attitude import wrap
+from sim_scenarios.cosimulation import Progress
+from sim_scenarios.errors import InputError
+from sim_scenarios.fmus import Fmus, did_you_mean
+from sim_scenarios.metrics.statistics import holds_since, is_measured
+from sim_scenarios.scenario import load_scenario
+from sim_scenarios.units import ARCMIN
+
+Array = NDArray[np.float64]
+Window = tuple[float, float]
+
+HEADING, TILT_EAST, TILT_NORTH, NIS = 0, 1, 2, 9
+TILT, VELOCITY, HORIZONTAL_VELOCITY, POSITION, HORIZONTAL = (
+    slice(first, end) for first, end in ((1, 3), (3, 6), (3, 5), (6, 9), (6, 8))
+)
+VERTICAL = 8
+COLUMNS = 10
+"""Columns of errors: heading and tilts [rad], velocity [m/s], position [m], NIS for each channel."""
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Errors of one filter.
+
+    Attributes
+    ----------
+    time : ndarray, shape (times,)
+        [s]
+    values : ndarray, shape (runs, times, k)
+        Estimated minus true, in SI units; the NIS is that of the fix at the time, NaN where there was none.
+    limit : float
+        Heading error within which a filter counts as settled [rad].
+    """
+
+    time: Array
+    values: Array
+    limit: float
+
+    def part(self, columns: int | slice, window: Window) -> Errors:
+        """Some columns over a window, ends included."""
+        inside = (self.time >= window[0] - 1e-9) & (self.time <= window[1] + 1e-9)
+        if not inside.any():
+            raise InputError(f"nothing is recorded between {window[0]:g} s and {window[1]:g} s")
+        chosen = slice(columns, columns + 1) if isinstance(columns, int) else columns
+        return replace(self, time=self.time[inside], values=self.values[:, inside, chosen])
+
+    def runs(self) -> Iterator[Errors]:
+        """Each run alone."""
+        for run in range(len(self.values)):
+            yield replace(self, values=self.values[run : run + 1])
+
+
+def rmse(errors: Errors) -> float:
+    """Root mean square over runs and time."""
+    return float(np.sqrt(np.mean(np.sum(errors.values**2, axis=2))))
+
+
+def mean_rmse(errors: Errors) -> float:
+    """Mean over runs of the root mean square over time."""
+    return float(np.mean(np.sqrt(np.mean(np.sum(errors.values**2, axis=2), axis=1))))
+
+
+def mean(errors: Errors) -> float:
+    """Mean over runs and time of what there is."""
+    return float(np.nanmean(errors.values))
+
+
+def largest(errors: Errors) -> float:
+    """Mean over runs of the largest size of a component."""
+    return float(np.mean(np.max(np.abs(errors.values), axis=(1, 2))))
+
+
+def at_end(errors: Errors) -> float:
+    """Mean over runs of the size at the end of the window."""
+    return float(np.mean(np.linalg.norm(errors.values[:, -1], axis=1)))
+
+
+def settling(errors: Errors) -> float:
+    """Time from which the root mean square over runs stays within the limit; infinite if it never does."""
+    since = holds_since(errors.time, rms_over_runs(errors) <= errors.limit)
+    return float("inf") if since is None else since
+
+
+def rms_over_runs(errors: Errors) -> Array:
+    """Root mean square over runs at each time, shape (times,)."""
+    over_time: Array = np.sqrt(np.mean(np.sum(errors.values**2, axis=2), axis=0))
+    return over_time
+
+
+@dataclass(frozen=True)
+class Figure:
+    """What is measured of runs, and in which unit it is shown.
+
+    Attributes
+    ----------
+    title, unit : str
+    size : float
+        Of the unit, in SI.
+    columns : int or slice
+        Of the errors.
+    statistic : callable
+    whole : bool
+        Of the whole run instead of a window.
+    """
+
+    title: str
+    unit: str
+    size: float
+    columns: int | slice
+    statistic: Callable[[Errors], float]
+    whole: bool = False
+
+    def of(self, errors: Errors, window: Window) -> float:
+        """The figure over all runs, in its unit."""
+        return self.statistic(self.part(errors, window)) / self.size
+
+    def of_each(self, errors: Errors, window: Window) -> list[float]:
+        """The figure of each run, in its unit."""
+        return [self.statistic(run) / self.size for run in self.part(errors, window).runs()]
+
+    def part(self, errors: Errors, window: Window) -> Errors:
+        """The errors that the figure is made of."""
+        everything = float(errors.time[0]), float(errors.time[-1])
+        return errors.part(self.columns, everything if self.whole else window)
+
+
+FIGURES: Final[Mapping[str, Figure]] = {
+    "heading": Figure("heading RMSE", "'", ARCMIN, HEADING, rmse),
+    "tilt_east": Figure("tilt RMSE about east", "'", ARCMIN, TILT_EAST, rmse),
+    "tilt_north": Figure("tilt RMSE about north", "'", ARCMIN, TILT_NORTH, rmse),
+    "settling": Figure("heading settled", "s", 1.0, HEADING, settling, whole=True),
+    "horizontal": Figure("horizontal", "m", 1.0, HORIZONTAL, mean_rmse),
+    "vertical": Figure("vertical", "m", 1.0, VERTICAL, mean_rmse),
+    "velocity": Figure("velocity", "m/s", 1.0, VELOCITY, mean_rmse),
+    "tilt": Figure("tilt", "'", ARCMIN, TILT, mean_rmse),
+    "yaw": Figure("yaw", "'", ARCMIN, HEADING, mean_rmse),
+    "largest_velocity": Figure("largest velocity error", "m/s", 1.0, HORIZONTAL_VELOCITY, largest),
+    "horizontal_at_end": Figure("horizontal at the end", "m", 1.0, HORIZONTAL, at_end),
+    "nis": Figure("NIS / channels", "", 1.0, NIS, mean),
+}
+"""Figures by name. RMSE of an alignment is over all runs; that of navigation is the mean of the runs' own."""
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Runs of a scenario.
+
+    Attributes
+    ----------
+    filters : dict of str to Errors
+        By label.
+    attributes : dict
+        Those of the data set of `sim_scenarios.compare`, of the first run.
+    """
+
+    filters: dict[str, Errors]
+    attributes: dict[str, Any]
+
+    @property
+    def count(self) -> int:
+        """How many runs there are."""
+        return len(next(iter(self.filters.values())).values)
+
+    @property
+    def window(self) -> Window:
+        """The evaluation window of the scenario [s]."""
+        return float(self.attributes["evaluation.start"]), float(self.attributes["evaluation.stop"])
+
+    def figure(self, name: str, label: str, window: Window | None = None, over: str | None = None) -> float:
+        """A figure of a filter over all runs; over that of another filter, if one is named."""
+        value = FIGURES[name].of(self.filters[label], window or self.window)
+        return value / FIGURES[name].of(self.filters[over], window or self.window) if over else value
+
+
+@contextmanager
+def processes(workers: int | None = None) -> Iterator[ProcessPoolExecutor]:
+    """A pool of processes, one for each core; an interruption does not wait for what is queued."""
+    pool = ProcessPoolExecutor(workers or os.cpu_count(), initializer=_leave_interruptions)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def ensemble(
+    pool: ProcessPoolExecutor,
+    scenario: str | Path,
+    seeds: Sequence[int],
+    labels: Sequence[str],
+    settings: Mapping[str, object] | None = None,
+    progress: Progress = lambda _: None,
+) -> Ensemble:
+    """Run filters that a scenario compares, with each seed.
+
+    Parameters
+    ----------
+    pool : ProcessPoolExecutor
+        Of `processes`.
+    scenario : str or Path
+        As for `sim_scenarios.run`.
+    seeds : sequence of int
+        One for each run.
+    labels : sequence of str
+        Filters to run.
+    settings : mapping, optional
+        As `set` of `sim_scenarios.run`.
+    progress : callable
+        Called with the completed share.
+    """
+    batches = _batches(seeds)
+    futures: list[Future[list[xr.Dataset]]] = [
+        pool.submit(_runs, scenario, batch, labels, dict(settings or {})) for batch in batches
+    ]
+    done = 0
+    for future in as_completed(futures):
+        done += len(future.result())
+        progress(done / len(seeds))
+    runs = [run for future in futures for run in future.result()]
+    return gathered(runs)
+
+
+def gathered(runs: Sequence[xr.Dataset]) -> Ensemble:
+    """Runs of a scenario together (data sets of `errors_of_run`)."""
+    first = runs[0]
+    limit = float(first.attrs["evaluation.heading_limit"])
+    values = {
+        str(label): np.stack([run["errors"].sel(filter=label).values for run in runs])
+        for label in first["filter"].values
+    }
+    filters = {label: Errors(first["time"].values, errors, limit) for label, errors in values.items()}
+    return Ensemble(filters, dict(first.attrs))
+
+
+def errors_of_run(run: xr.Dataset) -> xr.Dataset:
+    """What an ensemble keeps of a run: the errors of each filter (filter, time, column)."""
+    labels = run["filter"].values
+    columns = [_columns(recording.of_filter(run, str(label))) for label in labels]
+    return xr.Dataset(
+        {"errors": (("filter", "time", "column"), np.stack(columns))},
+        coords={"filter": labels, "time": run["time"].values},
+        attrs=run.attrs,
+    )
+
+
+def _columns(run: xr.Dataset) -> Array:
+    errors = np.full((run.sizes["time"], COLUMNS), np.nan)
+    errors[:, HEADING] = wrap(run["heading_error"].values)
+    errors[:, TILT] = wrap(run["attitude_error"].values[:, :2])
+    errors[:, VELOCITY] = run["velocity_error"].values
+    errors[:, POSITION] = run["position_error"].values
+    used = run["fix_used"].values
+    row = np.searchsorted(run["time"].values, run["fix_time"].values[used] - 1e-6)
+    inside = row < len(errors)
+    nis = run["nis"].values[used] / is_measured(run)[used].sum(axis=1)
+    errors[row[inside], NIS] = nis[inside]
+    return errors
+
+
+def _leave_interruptions() -> None:
+    """Leave Ctrl-C to the process that has the pool: a terminal interrupts them all."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _runs(
+    scenario: str | Path, seeds: Sequence[int], labels: Sequence[str], settings: Mapping[str, object]
+) -> list[xr.Dataset]:
+    """Runs in a process of the pool, which loads the FMUs once for all of them."""
+    fmus = Fmus()
+    return [errors_of_run(_run(scenario, seed, labels, settings, fmus)) for seed in seeds]
+
+
+def _run(
+    scenario: str | Path, seed: int, labels: Sequence[str], settings: Mapping[str, object], fmus: Fmus
+) -> xr.Dataset:
+    loaded = load_scenario(scenario, fmus, seed=seed, settings=settings)
+    known = loaded.filters()
+    for label in labels:
+        if label not in known:
+            hint = did_you_mean(label, list(known)) or f"; there are {', '.join(known)}"
+            raise InputError(f"{scenario} compares no filter '{label}'{hint}")
+    filters = {label: known[label] for label in labels}
+    recorded, messages = simulation.simulated(loaded, fmus, filters)
+    data = recording.dataset(recorded, list(labels), fmus[loaded.filter_fmu], fmus.plant)
+    data.attrs = simulation.attributes(loaded, fmus, messages)
+    return data
+
+
+def _batches(seeds: Sequence[int], most: int = 4) -> list[Sequence[int]]:
+    """Seeds in groups, small enough to be shared out evenly."""
+    size = max(1, min(most, len(seeds) // (4 * (os.cpu_count() or 1))))
+    return [seeds[first : first + size] for first in range(0, len(seeds), size)]

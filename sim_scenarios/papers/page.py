@@ -1,0 +1,56 @@
+"""The report of a reproduced paper: PNG pictures and one HTML page that needs nothing else."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import jinja2
+
+from sim_scenarios.papers import Paper
+from sim_scenarios.papers.reproduction import Reproduced, Result
+from sim_scenarios.plots.ensemble import over_time
+from sim_scenarios.plots.style import png
+
+
+@dataclass(frozen=True)
+class Section:
+    """An experiment on the page."""
+
+    scenario: str
+    description: str
+    notes: str
+    tables: Sequence[Reproduced]
+    picture: bytes
+
+
+def section(result: Result, folder: Path) -> Section:
+    """What the page keeps of an experiment; draws its picture into the folder."""
+    experiment, runs = result.experiment, result.ensemble
+    windows = [table.window or runs.window for table in experiment.table]
+    title = f"{experiment.scenario}: root mean square over {runs.count} runs"
+    picture = png(over_time(runs, experiment.picture, windows, title))
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{experiment.scenario}.png").write_bytes(picture)
+    attributes = runs.attributes
+    return Section(
+        experiment.scenario, attributes["description"], attributes["notes"], result.tables, picture
+    )
+
+
+def write(paper: Paper, sections: Sequence[Section], runs: int, seed: int, folder: Path) -> Path:
+    """Write the page; its path."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("sim_scenarios", "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["base64"] = lambda raw: base64.b64encode(raw).decode("ascii")
+    path = folder / "report.html"
+    page = environment.get_template("paper.html").render(paper=paper, sections=sections, runs=runs, seed=seed)
+    path.write_text(page, encoding="utf-8")
+    return path
