@@ -26,6 +26,9 @@ SHIPPED = {
     "flight_loose_tight",
     "gnss_outage_turn",
     "gnss_outage_turn_tight",
+    "static_large_misalignment",
+    "static_large_misalignment_azimuth",
+    "static_large_misalignment_small",
 }
 
 
