@@ -1,5 +1,5 @@
-// Predictor of the augmented unscented Kalman filter, Chen 2019, eqs. 8-25, and Jing 2023, eqs. 8-14: the
-// noise is part of the state and has sigma points of its own.
+// Predictor of the augmented unscented Kalman filter, Chen 2019, eqs. 8-25, and Jing 2023, eqs. 8-11,
+// 13, 14: the noise is part of the state and has sigma points of its own.
 //
 // A noise point is the propagated centre plus its noise, because the noise of our models is additive in the
 // deviation; so it need not pass through the model. Its plus and minus leave the mean alone, and their

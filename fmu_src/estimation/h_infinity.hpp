@@ -7,6 +7,7 @@
 //
 // which is Zhou 2011 eq. 11 (with eqs. 8-9 inserted) by the matrix inversion lemma; in the paper R = I and
 // the process noise is Gamma Gamma^T because its system is noise-normalised, here R and Q keep their units.
+// Misprint of Zhou 2011: the L_k at the end of eq. 10 is one too many, M_k of eq. 11 being K_Z L_k.
 #pragma once
 
 #include <Eigen/Cholesky>

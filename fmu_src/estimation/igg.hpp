@@ -9,7 +9,13 @@
 // Chen 2019: eq. 28 has the factor k0 / |v| twice; eq. 29 inflates by 0 above k1, which makes a gross error a
 // perfect measurement; eq. 27 standardises a channel by the mean of the others, metres by metres per second,
 // and so rejects in most clean epochs; eq. 30 applies the factor to the whole covariance of the innovation,
-// whose other part, H P H^T, an outlier does not make less certain.
+// whose other part, H P H^T, an outlier does not make less certain. There is no form `printed`: with eq. 29 a
+// gross error would do the more harm the larger it is.
+//
+// The paper then draws the sigma points anew (eq. 31); with additive noise a new R changes S alone, so
+// nothing is drawn here. Its k0 is 1.0-1.5 and its k1 2.5-8: k0 = 1.5 takes weight from one sound channel in
+// seven, so that of six channels one is suspect in more than half of the fixes, which the guard would count
+// as bad. For the default of 2.5 it is one channel in eighty; k1 = 8 is the upper end.
 #pragma once
 
 #include <cmath>

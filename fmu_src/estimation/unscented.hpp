@@ -1,5 +1,5 @@
-// Predictor of the simplified (Rao-Blackwellised additive) unscented Kalman filter, Zhou 2011, section 1: the
-// state alone has sigma points, the noise is added.
+// Predictor of the simplified (Rao-Blackwellised additive) unscented Kalman filter, Zhou 2011, section 1, and
+// Li, eqs. 3-14: the state alone has sigma points, the noise is added.
 #pragma once
 
 #include "estimation/sigma_points.hpp"
