@@ -36,7 +36,6 @@ struct Start {
 template <ErrorModel M>
 class Engine {
   public:
-    using Model = M;
     using Where = Adapter<M>;
     static constexpr int kStates = M::kStates;
     static constexpr int kMeasurements = M::kMeasurements;

@@ -22,10 +22,12 @@ void publish_estimate(Outputs& outputs, const Engine& engine, double time, const
     nav.longitude = best.position.longitude;
     nav.height = best.position.height;
 
-    const Vector<Engine::kStates> sigma = engine.estimator.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    const Matrix<Engine::kStates> covariance = engine.covariance();
+    const Vector<Engine::kStates> sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    const Vector<Engine::kStates> found = engine.estimator.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     outputs.misalignment = engine.misalignment();
-    outputs.misalignment_sigma = components(sigma, Where::attitude);
-    outputs.heading_sigma = outputs.misalignment_sigma.z();
+    outputs.misalignment_sigma = components(found, Where::attitude);
+    outputs.heading_sigma = sigma(Where::attitude.first + 2);
     outputs.velocity_sigma = components(sigma, Where::velocity);
     outputs.gyro_bias = engine.gyro_bias();
     outputs.gyro_bias_sigma = components(sigma, Where::gyro, p.prior.gyro_bias_sigma);
@@ -36,7 +38,7 @@ void publish_estimate(Outputs& outputs, const Engine& engine, double time, const
         outputs.position_sigma = components(sigma, Where::position);
     }
     if constexpr (requires { outputs.covariance; }) {
-        outputs.covariance = handed_covariance<Where>(engine.estimator.covariance, p);
+        outputs.covariance = handed_covariance<Where>(covariance, p);
     }
     if constexpr (requires { engine.adapter.publish(outputs, engine.estimator.state, sigma); }) {
         engine.adapter.publish(outputs, engine.estimator.state, sigma);

@@ -96,6 +96,7 @@ void configure_corrector(Corrector& corrector, const Parameters& p) {
     adaptive.form = p.adaptive.form == decltype(p.adaptive.form)::printed ? AdaptiveFactor::Form::printed
                                                                           : AdaptiveFactor::Form::unit_free;
     adaptive.threshold = p.adaptive.threshold;
+    corrector.igg.guard = adaptive;
     auto& bayes = corrector.variational_bayes;
     using BayesForm = typename std::remove_reference_t<decltype(bayes)>::Form;
     const auto& variational_bayes = p.variational_bayes;

@@ -83,7 +83,7 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const GnssFix& fi
     auto innovation = engine.innovate(seen, measured);
     scale_h_infinity(engine, parameters, status_.since_fix(imu_.time()));
     auto correction = engine.corrector.correct(engine.estimator.covariance, innovation);
-    if (engine.corrector.out_of_patience()) {
+    if (innovation.channels() > 0 && engine.corrector.out_of_patience()) {
         const double alpha = reconcile(engine, seen, measured);
         innovation = engine.innovate(seen, measured);
         correction = engine.corrector.correct(engine.estimator.covariance, innovation);
@@ -125,14 +125,14 @@ template <class E, class Fix>
 double InertialFilter<Interface, Engines...>::reconcile(E& engine, const Sighting& seen, const Fix& fix) {
     constexpr double smallest = 1e-12;  // divided by less, a covariance says nothing any more
     const auto before = engine.estimator.covariance;
-    double alpha = AdaptiveFactor().alpha(engine.innovate(seen, fix));
+    double alpha = engine.corrector.adaptive_factor.alpha(engine.innovate(seen, fix));
     while (alpha > smallest) {
         engine.blame(alpha);
         if (engine.corrector.gate.admits(engine.innovate(seen, fix))) {
             if (log_->listens()) {
                 log_->event(text("the gate refused ", parameters.gate.patience, " fixes in a row until ",
-                                 imu_.time(), " s (gate.patience): the prediction is blamed, its variances ",
-                                 "of attitude, velocity and position divided by ", alpha));
+                                 imu_.time(), " s (gate.patience): the prediction is blamed, its variances, ",
+                                 "those of the sensor errors excepted, divided by ", alpha));
             }
             return alpha;
         }

@@ -76,6 +76,7 @@ template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     std::visit([&](auto& engine) { engine.start(start); }, engine_);
     history_.push(antenna());
+    status_.start(imu_.time());  // which may be long after that of the component
     under_way_ = true;
 }
 
@@ -129,7 +130,7 @@ void InertialFilter<Interface, Engines...>::take_sample() {
         case ImuInput::Verdict::resumed:
             if (log_->listens()) {
                 log_->event(text("IMU data resume at imu.time = ", port.time,
-                                 " s after a gap that cannot be bridged; alignment starts again"));
+                                 " s after a gap that cannot be bridged; the estimate starts again"));
             }
             break;
         case ImuInput::Verdict::accepted:

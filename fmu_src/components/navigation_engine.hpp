@@ -82,6 +82,11 @@ class NavigationEngine : public Engine<M> {
     // The navigation state, corrected by the estimate.
     [[nodiscard]] NavigationState best() const { return M::corrected(mechanisation_.state, estimator.state); }
 
+    // Of the errors that `best` has left. With feedback there is nothing to be taken out between two fixes.
+    [[nodiscard]] Matrix<Base::kStates> covariance() const {
+        return feedback ? estimator.covariance : estimator.covariance_of_remaining();
+    }
+
     [[nodiscard]] Eigen::Vector3d gyro_bias() const {
         return this->gyro_bias_ + components(estimator.state, Where::gyro);
     }

@@ -51,6 +51,7 @@ class StateEngine : public Engine<M> {
     }
 
     [[nodiscard]] const NavigationState& best() const { return estimator.state; }
+    [[nodiscard]] const Matrix<Base::kStates>& covariance() const { return estimator.covariance; }
 
     // As handed over: the model does not estimate them.
     [[nodiscard]] const Eigen::Vector3d& gyro_bias() const { return this->gyro_bias_; }

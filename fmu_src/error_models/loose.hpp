@@ -73,9 +73,8 @@ class Loose {
     // The navigation state corrected by the estimate.
     [[nodiscard]] static NavigationState corrected(const NavigationState& computed, const State& x);
 
-    // What the estimate becomes when `corrected` and both biases have been fed back, and the Jacobian of the
-    // remaining errors with respect to the errors.
-    [[nodiscard]] static State remaining(const State& /*x*/) { return State::Zero(); }
+    // Jacobian of the errors that remain, when `corrected` and both biases have been fed back, with respect
+    // to the errors.
     [[nodiscard]] static Matrix<kStates> reset_jacobian(const State& x);
 };
 

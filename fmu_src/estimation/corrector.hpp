@@ -33,10 +33,12 @@ class Corrector {
     AdaptiveFactor adaptive_factor;
     VariationalBayes<M> variational_bayes;
 
-    // Third phase of the filter step. What the gate does not admit changes nothing and has no weight.
+    // Third phase of the filter step. What the gate does not admit changes nothing and has no weight; nor has
+    // an epoch without channels, which says nothing, of the prediction neither.
     Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
-        if (!gate.admits(innovation)) {
-            refused_ = std::min(refused_ + 1, patience);
+        const bool silent = innovation.channels() == 0;
+        if (silent || !gate.admits(innovation)) {
+            refused_ = silent ? refused_ : std::min(refused_ + 1, patience);
             return {Vector<N>::Zero(), prior, Vector<M>::Zero(), innovation.noise};
         }
         refused_ = 0;

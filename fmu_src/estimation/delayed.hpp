@@ -17,12 +17,7 @@ Innovation<M::kStates, M::kMeasurements> innovate_delayed(const M& model, typena
     const Matrix<M::kStates> back = model.transition(x, since);
     Points<M::kStates, 1> no_deviation = Points<M::kStates, 1>::Zero();
     model.propagate(x, no_deviation, since);
-    const Matrix<M::kMeasurements, M::kStates> H = model.measurement_matrix(x, fix) * back;
-    const Matrix<M::kStates, M::kMeasurements> cross = P.lazyProduct(H.transpose());
-    Innovation<M::kStates, M::kMeasurements> innovation{model.residual(x, fix), H.lazyProduct(cross),
-                                                        model.measurement_noise(x, fix), cross};
-    remove_absent(model, fix, innovation);
-    return innovation;
+    return innovate(model, x, P, fix, model.measurement_matrix(x, fix) * back);
 }
 
 }  // namespace truenorth

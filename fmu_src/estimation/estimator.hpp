@@ -56,14 +56,20 @@ class Estimator {
     // The estimate has been fed back to what it is an error of; what remains of it is what the model says, or
     // zero.
     void reset() {
-        const Matrix<kStates> G = model.reset_jacobian(state);
-        covariance = G * covariance * G.transpose();
-        symmetrise(covariance);
+        covariance = covariance_of_remaining();
         if constexpr (requires { model.remaining(state); }) {
             state = model.remaining(state);
         } else {
             state = M::State::Zero();
         }
+    }
+
+    // Of the errors that remain when the estimate is taken out.
+    [[nodiscard]] Matrix<kStates> covariance_of_remaining() const {
+        const Matrix<kStates> G = model.reset_jacobian(state);
+        Matrix<kStates> remaining = G * covariance * G.transpose();
+        symmetrise(remaining);
+        return remaining;
     }
 
     template <class Archive>

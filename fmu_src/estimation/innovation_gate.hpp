@@ -20,8 +20,6 @@ struct InnovationGate {
     bool enabled = true;
     double threshold = 16.0;  // of the NIS of two channels, where it admits 1 - exp(-threshold / 2)
 
-    [[nodiscard]] bool admits(double nis) const { return !enabled || nis <= threshold; }
-
     template <int N, int M>
     [[nodiscard]] bool admits(const Innovation<N, M>& innovation) const {
         return !enabled || nis(innovation) <= threshold_for(innovation.channels());

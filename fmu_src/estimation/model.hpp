@@ -63,18 +63,26 @@ void remove_absent(const M& model, const typename M::Fix& fix,
     }
 }
 
-// Second phase of the filter step: the innovation of a fix, its prediction linear in the deviation.
+// Second phase of the filter step: the innovation of a fix that is seen from `state`. H relates its
+// prediction to the deviation of which `covariance` is.
 template <ErrorModel M>
 Innovation<M::kStates, M::kMeasurements> innovate(const M& model, const typename M::State& state,
                                                   const Matrix<M::kStates>& covariance,
-                                                  const typename M::Fix& fix) {
-    const Matrix<M::kMeasurements, M::kStates> H = model.measurement_matrix(state, fix);
+                                                  const typename M::Fix& fix,
+                                                  const Matrix<M::kMeasurements, M::kStates>& H) {
     // Eigen's lazy products: its blocked ones are made for larger matrices.
     const Matrix<M::kStates, M::kMeasurements> cross = covariance.lazyProduct(H.transpose());
     Innovation<M::kStates, M::kMeasurements> innovation{model.residual(state, fix), H.lazyProduct(cross),
                                                         model.measurement_noise(state, fix), cross};
     remove_absent(model, fix, innovation);
     return innovation;
+}
+
+template <ErrorModel M>
+Innovation<M::kStates, M::kMeasurements> innovate(const M& model, const typename M::State& state,
+                                                  const Matrix<M::kStates>& covariance,
+                                                  const typename M::Fix& fix) {
+    return innovate(model, state, covariance, fix, model.measurement_matrix(state, fix));
 }
 
 }  // namespace truenorth

@@ -13,7 +13,7 @@
 // the epoch before, not to a-, so that a grows without bound while b does not, and takes residual and
 // covariance of the prior; this is the form `printed`.
 //
-// A channel starts with the nominal R of its first epoch, as sure as `confidence` says; correlations of the
+// A channel starts with the nominal R of its first epoch, as sure as kConfidence says; correlations of the
 // nominal R are left out. A channel that is absent learns nothing, and nothing is forgotten of it. The
 // corrector is the standard one, with R as given, for 0 iterations.
 #pragma once
@@ -30,9 +30,10 @@ class VariationalBayes {
   public:
     enum class Form { corrected, printed };
 
+    static constexpr double kConfidence = 1.0;  // a of a channel that starts, as in Jing 2023, eq. 19
+
     double rho = 0.95;
     int iterations = 3;
-    double confidence = 1.0;  // a of a channel that starts, as in Jing 2023, eq. 19
     Form form = Form::corrected;
 
     template <int N>
@@ -43,8 +44,8 @@ class VariationalBayes {
         const auto& present = innovation.present;
         const Array nominal = innovation.noise.diagonal();
         const Mask starts = present && a_ == 0.0;
-        a_ = starts.select(confidence, a_);
-        b_ = starts.select(confidence * nominal, b_);
+        a_ = starts.select(kConfidence, a_);
+        b_ = starts.select(kConfidence * nominal, b_);
 
         const bool printed = form == Form::printed;
         const Array a = (printed ? 1.0 : rho) * a_ + 0.5;

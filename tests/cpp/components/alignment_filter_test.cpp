@@ -94,6 +94,22 @@ TEST(AlignmentFilterHeading, FindsTheSameInEveryWayOfComputing) {
     }
 }
 
+TEST(AlignmentFilterCovariance, IsThatOfTheOutputsWithAndWithoutFeedback) {
+    // Without feedback the estimator's covariance is that of the angles of the open-loop mechanisation, whose
+    // tilts lie along axes that are 10 degrees off: a sixth of their sigmas.
+    std::array<FedFilter, 2> fed;
+    for (std::size_t i = 0; i < 2; ++i) {
+        fed[i].filter.parameters.feedback = i == 0;
+        Trial().seconds(fed[i], 120.0);
+    }
+    const auto& expected = fed[0].filter.outputs;
+    const auto& outputs = fed[1].filter.outputs;
+    const auto scale = expected.covariance.diagonal().cwiseSqrt().cwiseInverse().eval();
+    const auto difference = (outputs.covariance - expected.covariance).eval();
+    EXPECT_LT((scale.asDiagonal() * difference * scale.asDiagonal()).cwiseAbs().maxCoeff(), 0.05);
+    EXPECT_EQ(outputs.heading_sigma, std::sqrt(outputs.covariance(2, 2)));
+}
+
 TEST(AlignmentFilterLatency, OfAFixCostsNoMoreThanTheVelocityThatWasGainedMeanwhile) {
     // A fix that is 0.3 s late is wrong by b = 0.3 s times the rate of the velocity error. Errors b_k of the
     // measurements move an estimate by at most sqrt(sum (b_k / sigma_R)^2) of its own sigma, whatever the

@@ -138,6 +138,22 @@ TEST(NavigationFilterStart, TakesOverWhatAnAlignmentKnows) {
     }
 }
 
+TEST(NavigationFilterStart, DoesNotForgetForTheTimeThatItWaited) {
+    // With rate_invariant an H-infinity update forgets for the time since the last, or since the start.
+    const auto sigma_after = [](int waited) {
+        Filter fed;
+        fed.filter.parameters.corrector = navigation_filter::Corrector::h_infinity;
+        fed.filter.inputs.initial.valid = false;
+        const Trial run;
+        run.seconds(fed, waited);
+        fed.filter.inputs.initial.valid = true;
+        run.advance(fed, waited * kRate, (waited + 1) * kRate);
+        EXPECT_EQ(fed.filter.outputs.used_fixes, 1);
+        return fed.filter.outputs.heading_sigma;
+    };
+    EXPECT_NEAR(sigma_after(100) / sigma_after(2), 1.0, 1e-6);
+}
+
 struct BadStart {
     const char* name;
     std::function<void(Inputs&)> spoil;

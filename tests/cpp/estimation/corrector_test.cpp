@@ -96,6 +96,32 @@ TEST_P(AnyCorrector, StandsBehindTheGate) {
     }
 }
 
+TEST_P(AnyCorrector, LearnsNothingFromAnEpochWithoutChannels) {
+    for (const Method method : kMethods) {
+        RandomCovariance random(GetParam());
+        const RandomMeasurement c(random, 0.3);
+        auto beyond = c.innovation();
+        beyond.residual *= 1e3;
+        auto silent = c.innovation();
+        for (int i = 0; i < kChannels; ++i) {
+            silent.remove(i);
+        }
+        for (const bool gated : {false, true}) {  // its patience, and that of IGG
+            Any corrector;
+            corrector.method = method;
+            corrector.gate.enabled = gated;
+            corrector.patience = 3;
+            corrector.correct(c.P, beyond);
+            const auto before = SavedState::of(corrector);
+            const auto correction = corrector.correct(c.P, silent);
+            EXPECT_FALSE(correction.used());
+            EXPECT_EQ(correction.deviation, Vector<kStates>::Zero());
+            EXPECT_EQ(correction.covariance, c.P);
+            EXPECT_EQ(SavedState::of(corrector), before);
+        }
+    }
+}
+
 TEST_P(AnyCorrector, GoesOnFromASavedState) {
     for (const Method method : kMethods) {
         RandomCovariance random(GetParam());

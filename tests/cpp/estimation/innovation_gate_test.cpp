@@ -38,18 +38,26 @@ TEST(Nis, IsChiSquareWithOneDegreeAChannelForAConsistentFilter) {
     }
 }
 
+// Two channels, the first of which causes all of the NIS.
+Innovation<2, 2> of_nis(double nis) {
+    const Matrix<2> I = Matrix<2>::Identity();
+    return innovation_of<2, 2>(I, I, I, Vector<2>(std::sqrt(2.0 * nis), 0.0));
+}
+
 TEST(InnovationGate, AdmitsUpToItsThreshold) {
     const InnovationGate gate{.enabled = true, .threshold = 16.0};
-    EXPECT_TRUE(gate.admits(0.0));
-    EXPECT_TRUE(gate.admits(16.0));
-    EXPECT_FALSE(gate.admits(16.0001));
+    EXPECT_TRUE(gate.admits(of_nis(0.0)));
+    EXPECT_TRUE(gate.admits(of_nis(15.9999)));
+    EXPECT_FALSE(gate.admits(of_nis(16.0001)));
 }
 
 TEST(InnovationGate, DoesNotAdmitWhatIsNoNumber) {
-    EXPECT_FALSE((InnovationGate{true, 16.0}.admits(std::numeric_limits<double>::quiet_NaN())));
+    EXPECT_FALSE((InnovationGate{true, 16.0}.admits(of_nis(std::numeric_limits<double>::quiet_NaN()))));
 }
 
-TEST(InnovationGate, AdmitsEverythingWhenDisabled) { EXPECT_TRUE((InnovationGate{false, 16.0}.admits(1e6))); }
+TEST(InnovationGate, AdmitsEverythingWhenDisabled) {
+    EXPECT_TRUE((InnovationGate{false, 16.0}.admits(of_nis(1e6))));
+}
 
 }  // namespace
 }  // namespace truenorth
