@@ -10,13 +10,7 @@ template class InertialFilter<alignment_filter::Interface, NavigationEngine<Larg
 
 void AlignmentFilter::initialise(double start_time) {
     prepare(start_time);
-    const auto& initial = parameters.initial;
-    set_out({.state = {.q_bn = Eigen::Quaterniond(
-                           dcm({.roll = initial.roll, .pitch = initial.pitch, .heading = initial.heading})),
-                       .velocity = initial.velocity,
-                       .position = {.latitude = initial.latitude,
-                                    .longitude = wrap_angle(initial.longitude),
-                                    .height = initial.height}}});
+    set_out({.state = state_of(parameters.initial)});
     publish();
 }
 

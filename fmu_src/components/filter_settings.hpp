@@ -21,6 +21,17 @@ void check_settings(const Parameters& p) {
     }
 }
 
+// The navigation state that initial.* are.
+template <class Initial>
+NavigationState state_of(const Initial& initial) {
+    return {.q_bn = Eigen::Quaterniond(
+                dcm({.roll = initial.roll, .pitch = initial.pitch, .heading = initial.heading})),
+            .velocity = initial.velocity,
+            .position = {.latitude = initial.latitude,
+                         .longitude = wrap_angle(initial.longitude),
+                         .height = initial.height}};
+}
+
 template <class Parameters>
 Predictor predictor_of(const Parameters& p) {
     using Chosen = decltype(p.predictor);

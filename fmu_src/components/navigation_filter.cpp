@@ -1,7 +1,6 @@
 #include "components/navigation_filter.hpp"
 
 #include <Eigen/Cholesky>
-#include <numbers>
 
 #include "components/inertial_filter_fix.hpp"
 #include "components/inertial_filter_run.hpp"
@@ -13,39 +12,12 @@ template class InertialFilter<navigation_filter::Interface, NavigationEngine<Loo
 
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kLargestGyroBias = 0.1;            // [rad/s]
-constexpr double kLargestAccelerometerBias = 10.0;  // [m/s2]
-
-void require_within(std::string_view name, double value, double least, double most) {
-    rules::finite(name, value);
-    rules::at_least(name, value, least);
-    rules::at_most(name, value, most);
-}
-
-void require_small(std::string_view name, const Eigen::Vector3d& vector, double limit) {
-    for (int i = 0; i < 3; ++i) {
-        require_within(text(name, "[", i + 1, "]"), vector(i), -limit, limit);
-    }
-}
-
-// Throws InvalidParameter: the inputs initial.* are data, but a filter cannot start without them.
-template <class Initial>
-void require_sound(const Initial& initial) {
-    require_within("initial.roll", initial.roll, -kTurn, kTurn);
-    require_within("initial.pitch", initial.pitch, -kTurn / 4.0, kTurn / 4.0);
-    require_within("initial.heading", initial.heading, -2.0 * kTurn, 2.0 * kTurn);
-    require_within("initial.latitude", initial.latitude, -earth::kHighestLatitude, earth::kHighestLatitude);
-    require_within("initial.longitude", initial.longitude, -GnssInput::kLargestLongitude,
-                   GnssInput::kLargestLongitude);
-    require_within("initial.height", initial.height, GnssInput::kLowest, GnssInput::kHighest);
-    require_small("initial.velocity", initial.velocity, GnssInput::kLargestSpeed);
-    require_small("initial.gyro_bias", initial.gyro_bias, kLargestGyroBias);
-    require_small("initial.accelerometer_bias", initial.accelerometer_bias, kLargestAccelerometerBias);
-
-    const HandedCovariance P = initial.covariance;
+// Throws InvalidParameter: inputs are data, but a filter cannot start without these.
+void require_sound(const navigation_filter::Inputs& inputs) {
+    validate(inputs);
+    const HandedCovariance P = inputs.initial.covariance;
     const bool symmetric = (P - P.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * P.cwiseAbs().maxCoeff();
-    if (!P.allFinite() || !symmetric || (!P.isZero(0.0) && P.llt().info() != Eigen::Success)) {
+    if (!symmetric || (!P.isZero(0.0) && P.llt().info() != Eigen::Success)) {
         throw InvalidParameter(
             "initial.covariance: must be symmetric and positive definite, or zero to take prior.*");
     }
@@ -64,13 +36,8 @@ void NavigationFilter::initialise(double start_time) {
 
 void NavigationFilter::set_out_from_inputs() {
     const auto& initial = inputs.initial;
-    require_sound(initial);
-    set_out({.state = {.q_bn = Eigen::Quaterniond(
-                           dcm({.roll = initial.roll, .pitch = initial.pitch, .heading = initial.heading})),
-                       .velocity = initial.velocity,
-                       .position = {.latitude = initial.latitude,
-                                    .longitude = wrap_angle(initial.longitude),
-                                    .height = initial.height}},
+    require_sound(inputs);
+    set_out({.state = state_of(initial),
              .gyro_bias = initial.gyro_bias,
              .accelerometer_bias = initial.accelerometer_bias,
              .covariance = initial.covariance});

@@ -52,12 +52,11 @@ struct {{ title }} {
 };
 
 {% endfor %}
-// Throws InvalidParameter for the first parameter that breaks a rule of its declaration.
-inline void validate(const Parameters& parameters) {
-{% for variable in component.of('parameter', 'tunable') %}
+{% macro rules(variables, struct) %}
+{% for variable in variables %}
 {% set elements = cpp.elements(variable) %}
 {% for name in variable.scalar_names %}
-{% set value = 'parameters.' ~ elements[loop.index0] %}
+{% set value = struct ~ '.' ~ elements[loop.index0] %}
 {% if variable.type == 'Real' %}
     rules::finite("{{ name }}", {{ value }});
 {% endif %}
@@ -69,7 +68,19 @@ inline void validate(const Parameters& parameters) {
 {% endif %}
 {% endfor %}
 {% endfor %}
+{% endmacro %}
+// Throws InvalidParameter for the first parameter that breaks a rule of its declaration.
+inline void validate(const Parameters& parameters) {
+{{ rules(component.of('parameter', 'tunable'), 'parameters') -}}
 }
+{% set read_at_start = component.of('input') | selectattr('at_start') | list %}
+{% if read_at_start %}
+
+// The same for inputs that are read at the start.
+inline void validate(const Inputs& inputs) {
+{{ rules(read_at_start, 'inputs') -}}
+}
+{% endif %}
 
 // All of the above under one name, for templates that serve several components.
 struct Interface {
