@@ -37,9 +37,7 @@ void publish_estimate(Outputs& outputs, const Engine& engine, double time, const
     if constexpr (requires { outputs.position_sigma; }) {
         outputs.position_sigma = components(sigma, Where::position);
     }
-    if constexpr (requires { outputs.covariance; }) {
-        outputs.covariance = handed_covariance<Where>(covariance, p);
-    }
+    outputs.covariance = handed_covariance<Where>(covariance, p);
     if constexpr (requires { engine.adapter.publish(outputs, engine.estimator.state, sigma); }) {
         engine.adapter.publish(outputs, engine.estimator.state, sigma);
     }

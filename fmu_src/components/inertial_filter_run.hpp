@@ -103,6 +103,10 @@ void InertialFilter<Interface, Engines...>::advance() {
     if (!status_.faulted() && pending > parameters.filter.interval - kTimeTolerance) {
         predict();
     }
+    if (!status_.faulted() &&
+        !std::visit([](const auto& engine) { return engine.best().finite(); }, engine_)) {
+        fault("the navigation state is not finite");
+    }
     publish();
 }
 

@@ -42,8 +42,7 @@ class StateEngine : public Engine<M> {
         const NavigationState before = estimator.state;
         estimator.apply(correction);
         mechanisation_.state = estimator.state;
-        if (!estimator.state.q_bn.coeffs().allFinite() || !estimator.state.velocity.allFinite() ||
-            !estimator.covariance.allFinite()) {
+        if (!estimator.state.finite() || !estimator.covariance.allFinite()) {
             return {.finite = false};
         }
         this->found_ = -components(correction.deviation, Where::attitude);

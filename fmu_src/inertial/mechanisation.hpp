@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "inertial/attitude.hpp"
 #include "inertial/earth.hpp"
@@ -30,6 +31,11 @@ struct NavigationState {
     Eigen::Quaterniond q_bn = Eigen::Quaterniond::Identity();
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
     earth::Position position;
+
+    [[nodiscard]] bool finite() const {
+        return q_bn.coeffs().allFinite() && velocity.allFinite() && std::isfinite(position.latitude) &&
+               std::isfinite(position.longitude) && std::isfinite(position.height);
+    }
 
     template <class Archive>
     void serialize(Archive& archive) {
