@@ -23,7 +23,6 @@ from plotly.offline import get_plotlyjs
 from sim_scenarios.campaigns import pictures, store, table
 from sim_scenarios.campaigns.quantities import ERRORS
 from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
-from sim_scenarios.units import ARCMIN
 
 Array = NDArray[np.float64]
 
@@ -92,20 +91,23 @@ def _case(case: CaseSummary) -> dict[str, Any]:
     return {
         "label": case.label,
         "time": _numbers(case.time[thin]),
-        "bound": _numbers(case.bound[thin] / ARCMIN),
-        "bound_rms": table.json_number(case.bound_rms / ARCMIN),
-        "filters": {label: _filter(one, thin) for label, one in case.filters.items()},
+        "counting": case.counting,
+        "bounds": {
+            name: _numbers(bound[thin] / table.UNITS[ERRORS[name].unit][1])
+            for name, bound in case.bounds.items()
+        },
+        "filters": {label: _filter(one, thin, table.unit_of(case)[1]) for label, one in case.filters.items()},
     }
 
 
-def _filter(one: Summary, thin: slice) -> dict[str, Any]:
+def _filter(one: Summary, thin: slice, unit: float) -> dict[str, Any]:
     return {
         "errors": {
             name: _course(one.errors[name], thin, table.UNITS[q.unit][1]) for name, q in ERRORS.items()
         },
         "nis": _course(one.nis_course, thin),
         "nees": _course(one.nees_course, thin),
-        "each": _numbers(np.sort(one.each) / ARCMIN),
+        "each": _numbers(np.sort(one.each) / unit),
     }
 
 

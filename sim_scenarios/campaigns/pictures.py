@@ -9,9 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from sim_scenarios.campaigns import table
+from sim_scenarios.campaigns.quantities import ERRORS
 from sim_scenarios.campaigns.statistics import CaseSummary, Course
 from sim_scenarios.plots import style
-from sim_scenarios.units import ARCMIN
 
 
 def draw(case: CaseSummary, path: Path) -> list[Path]:
@@ -47,24 +48,27 @@ def _make_logarithmic(axes: Axes) -> None:
 
 
 def _errors(case: CaseSummary, axes: Axes) -> None:
+    unit, size = table.unit_of(case)
     for label, colour, dashes in style.lines(case.filters):
-        course = case.filters[label].errors["heading"]
-        axes.plot(case.time, course.middle / ARCMIN, dashes, color=colour, lw=1.4, label=label)
-    if np.isfinite(case.bound).any():
-        axes.plot(case.time, case.bound / ARCMIN, color=style.INK, lw=1.0, label="Cramer-Rao bound")
-    axes.set_title("Heading error: RMS over runs")
-    axes.set_ylabel("arcmin")
+        course = case.filters[label].errors[case.counting]
+        axes.plot(case.time, course.middle / size, dashes, color=colour, lw=1.4, label=label)
+    bound = case.bounds[case.counting]
+    if np.isfinite(bound).any():
+        axes.plot(case.time, bound / size, color=style.INK, lw=1.0, label="Cramer-Rao bound")
+    axes.set_title(f"{ERRORS[case.counting].title} error: RMS over runs")
+    axes.set_ylabel(unit)
     axes.set_xlabel("time [s]")
 
 
 def _runs(case: CaseSummary, axes: Axes) -> None:
+    unit, size = table.unit_of(case)
     for label, colour, dashes in style.lines(case.filters):
-        each = np.sort(case.filters[label].each) / ARCMIN
+        each = np.sort(case.filters[label].each) / size
         share = np.arange(1, len(each) + 1) / len(each)
         axes.step(each, 100 * share, dashes, where="post", color=colour, lw=1.4)
-    axes.set_title("Runs with at most this heading RMSE")
+    axes.set_title("Runs with at most this RMSE")
     axes.set_ylabel("%")
-    axes.set_xlabel("arcmin")
+    axes.set_xlabel(unit)
 
 
 def _consistency(case: CaseSummary, courses: dict[str, Course], axes: Axes, title: str) -> None:

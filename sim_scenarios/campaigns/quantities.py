@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios.attitude import wrap
+from sim_scenarios.fmus import NAVIGATION_FILTER
 from sim_scenarios.metrics import judge
 from sim_scenarios.metrics.statistics import holds_since, is_measured, rms, within
 
@@ -38,6 +39,9 @@ ERRORS: Final[Mapping[str, Quantity]] = {
     "vertical": Quantity("Vertical position", "m", "Error of the height, estimated minus true"),
 }
 
+BOUNDED: Final = ("heading", "horizontal")
+"""Errors that a Cramer-Rao bound is known of, where the filter measures what it takes."""
+
 SERIES: Final[Mapping[str, tuple[str, str]]] = {
     **{f"{name}_error": (q.unit, q.description) for name, q in ERRORS.items()},
     "heading_sigma": ("rad", "Sigma of the heading that the filter claims"),
@@ -50,7 +54,7 @@ FIGURES: Final[Mapping[str, tuple[str, str]]] = {
     **{f"{name}_rmse": (q.unit, f"{q.description}: RMS over the window") for name, q in ERRORS.items()},
     "heading_end": ("rad", "Error of the heading at the end"),
     "heading_sigma_rms": ("rad", "Sigma of the heading that the filter claims: RMS over the window"),
-    "convergence_time": ("s", "Time from which the heading error stays within its limit"),
+    "convergence_time": ("s", "Time from which the error that counts stays within its limit"),
     "claimed_time": ("s", "Time from which the filter reports convergence until the end"),
     "nis_sum": ("1", "Normalised innovations squared of the fixes used in the window, summed"),
     "nis_channels_sum": ("1", "Channels of those fixes"),
@@ -71,6 +75,11 @@ OUTPUTS: Final = (
 
 FIX_OUTPUTS: Final = ("innovation_sigma", "nis", "used_fixes", "rejected_fixes")
 """Outputs of a filter that `kept` needs at every fix."""
+
+
+def that_counts(attributes: Mapping[str, Any]) -> str:
+    """Error that a filter is judged by: heading of an alignment, horizontal position of navigation."""
+    return "horizontal" if attributes["filter_fmu"] == NAVIGATION_FILTER else "heading"
 
 
 def kept(run: xr.Dataset, period: float) -> dict[str, Array]:
@@ -120,14 +129,17 @@ def _nis(run: xr.Dataset, period: float, rows: int) -> tuple[Array, Array]:
 
 
 def _figures(run: xr.Dataset, errors: Mapping[str, Array]) -> dict[str, Array]:
-    start, stop, limit = (float(run.attrs[f"evaluation.{key}"]) for key in ("start", "stop", "heading_limit"))
+    counting = that_counts(run.attrs)
+    start, stop, limit = (
+        float(run.attrs[f"evaluation.{key}"]) for key in ("start", "stop", f"{counting}_limit")
+    )
     time, verdict = run["time"].values, judge(run)
     fixes = run["fix_used"].values & (run["fix_time"].values >= start) & (run["fix_time"].values <= stop)
     figures = {
         **{f"{name}_rmse": rms(within(time, values, start, stop)) for name, values in errors.items()},
         "heading_end": errors["heading"][-1],
         "heading_sigma_rms": rms(within(time, run["heading_sigma"].values, start, stop)),
-        "convergence_time": _time(holds_since(time, np.abs(errors["heading"]) <= limit)),
+        "convergence_time": _time(holds_since(time, np.abs(errors[counting]) <= limit)),
         "claimed_time": _time(holds_since(time, run["converged"].values)),
         "nis_sum": run["nis"].values[fixes].sum(),
         "nis_channels_sum": is_measured(run)[fixes].sum(),

@@ -16,7 +16,7 @@ Sums of NIS and of NEES over independent runs are chi-square with the sum of the
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import chdtri, stdtrit
 from scipy.stats import binomtest
 
-from sim_scenarios.campaigns.quantities import ERRORS
+from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, that_counts
 from sim_scenarios.campaigns.store import State
 from sim_scenarios.metrics.statistics import CONFIDENCE, chi_square_interval
 
@@ -80,18 +80,18 @@ class Summary:
     rmse : dict of str to Estimate
         Over window and runs, by quantity of `quantities.ERRORS`.
     to_bound : Estimate
-        Heading RMSE by the Cramer-Rao bound.
+        RMSE of the error that counts, by the Cramer-Rao bound.
     ratio : Estimate
-        Heading RMSE by that of the reference filter of the case on the same seeds.
+        The same by that of the reference filter of the case on the same seeds.
     convergence : tuple of float
-        Median and 90th percentile of the time from which the heading error stays within its limit [s]; a run
-        that never does counts as later than all others, and NaN as never.
+        Median and 90th percentile of the time from which the error that counts stays within its limit [s]; a
+        run that never does counts as later than all others, and NaN as never.
     nis : Estimate
         Mean for each channel over the window of all runs; the interval is that of a consistent filter.
     nees : Estimate
         Mean of (heading error / sigma)^2 at the end of the window; interval of a consistent filter.
     each : ndarray, shape (finished,)
-        Heading RMSE of every finished run [rad].
+        RMSE of the error that counts of every finished run, in SI units.
     errors : dict of str to Course
         By quantity.
     nis_course, nees_course : Course
@@ -119,31 +119,33 @@ class CaseSummary:
     Attributes
     ----------
     label : str
+    counting : str
+        The error that the filters are judged by, of `quantities.ERRORS`.
     reference : str
         Filter that the others are compared with.
     filters : dict of str to Summary
-    time, bound : ndarray, shape (times,)
-        Times of the courses [s] and the Cramer-Rao bound of the heading at them [rad].
+    time : ndarray, shape (times,)
+        Of the courses [s].
+    bounds : dict of str to ndarray, shape (times,)
+        Cramer-Rao bound of each of `quantities.BOUNDED`, in SI units; NaN where there is none.
     bound_rms : float
-        Over the window [rad]; NaN where there is no bound.
+        Of the error that counts over the window; NaN where there is none.
     """
 
     label: str
+    counting: str
     reference: str
     filters: dict[str, Summary]
     time: Array
-    bound: Array
+    bounds: dict[str, Array]
     bound_rms: float
 
 
 def summarise(data: xr.Dataset) -> Iterator[CaseSummary]:
     """Every case of the results of a campaign (see `store`), one loaded at a time."""
     reference = json.loads(data.attrs["plan"])["reference"]
-    stops = [
-        float(case["attributes"]["evaluation.stop"]) for case in json.loads(data.attrs["cases"]).values()
-    ]
-    for s, stop in enumerate(stops):
-        yield _case_summary(data.isel(scenario=s), stop, reference)
+    for s, about in enumerate(json.loads(data.attrs["cases"]).values()):
+        yield _case_summary(data.isel(scenario=s), about["attributes"], reference)
 
 
 def root_mean_square(values: ArrayLike) -> Estimate:
@@ -187,7 +189,8 @@ def nees_course(error: Array, sigma: Array) -> Course:
     return consistency_course(nees, np.isfinite(nees).astype(float))
 
 
-def _case_summary(case: xr.Dataset, stop: float, reference: str | None) -> CaseSummary:
+def _case_summary(case: xr.Dataset, attributes: Mapping[str, Any], reference: str | None) -> CaseSummary:
+    counting = that_counts(attributes)
     figures = case.drop_dims("time").load()
     counted = figures["state"].isin([State.finished, State.failed]).any("run").values
     labels = [str(label) for label in case["filter"].values[counted]]
@@ -195,51 +198,51 @@ def _case_summary(case: xr.Dataset, stop: float, reference: str | None) -> CaseS
     errors = {name: _courses(case, labels, error_course, f"{name}_error") for name in ERRORS}
     nis = _courses(case, labels, consistency_course, "nis", "nis_channels")
     nees = _courses(case, labels, nees_course, "heading_error", "heading_sigma")
-    at_stop = int(np.searchsorted(case["time"].values, stop + 1e-6)) - 1
+    at_stop = int(np.searchsorted(case["time"].values, attributes["evaluation.stop"] + 1e-6)) - 1
     filters = {}
     for label in labels:
         one, other = figures.sel(filter=label), figures.sel(filter=base)
         filters[label] = Summary(
-            **_of_runs(one),
-            ratio=_ratio(one, other),
+            **_of_runs(one, counting),
+            ratio=_ratio(one, other, counting),
             nees=Estimate(*(float(values[at_stop]) for values in vars(nees[label]).values())),
             errors={name: courses[label] for name, courses in errors.items()},
             nis_course=nis[label],
             nees_course=nees[label],
         )
-    bound = case["heading_bound"].values
     return CaseSummary(
-        str(case["scenario"].values),
-        base,
-        filters,
-        case["time"].values,
-        bound,
-        float(case["heading_bound_rms"]),
+        label=str(case["scenario"].values),
+        counting=counting,
+        reference=base,
+        filters=filters,
+        time=case["time"].values,
+        bounds={name: case[f"{name}_bound"].values for name in BOUNDED},
+        bound_rms=float(case[f"{counting}_bound_rms"]),
     )
 
 
-def _of_runs(one: xr.Dataset) -> dict[str, Any]:
+def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
     """What the figures of the runs of one filter say."""
     state = one["state"].values
     finished, stopped = state == State.finished, int((state == State.failed).sum())
     runs = int(finished.sum()) + stopped
-    heading = one["heading_rmse"].values[finished]
+    each = one[f"{counting}_rmse"].values[finished]
     times = np.sort(np.nan_to_num(one["convergence_time"].values[finished], nan=np.inf))
     return {
         "runs": runs,
         "stopped": stopped,
         "failures": _share(runs - int((one["success"].values[finished] == 1).sum()), runs),
         "rmse": {name: root_mean_square(one[f"{name}_rmse"].values[finished]) for name in ERRORS},
-        "to_bound": root_mean_square(heading / float(one["heading_bound_rms"])),
+        "to_bound": root_mean_square(each / float(one[f"{counting}_bound_rms"])),
         "convergence": (_order(times, 0.5), _order(times, 0.9)),
         "nis": _consistency(one["nis_sum"].values[finished], one["nis_channels_sum"].values[finished]),
-        "each": heading,
+        "each": each,
     }
 
 
-def _ratio(one: xr.Dataset, other: xr.Dataset) -> Estimate:
+def _ratio(one: xr.Dataset, other: xr.Dataset, counting: str) -> Estimate:
     both = ((one["state"] == State.finished) & (other["state"] == State.finished)).values
-    return paired_ratio(one["heading_rmse"].values[both], other["heading_rmse"].values[both])
+    return paired_ratio(*(data[f"{counting}_rmse"].values[both] for data in (one, other)))
 
 
 def _courses(

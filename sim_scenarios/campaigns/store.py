@@ -28,7 +28,7 @@ import zarr
 from numpy.typing import NDArray
 
 from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
-from sim_scenarios.campaigns.quantities import FIGURES, SERIES
+from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, FIGURES, SERIES
 from sim_scenarios.errors import InputError
 
 NAME: Final = "campaign.zarr"
@@ -189,20 +189,34 @@ def _attributes(unit: str, description: str) -> dict[str, str]:
 
 
 def _bounds(bounds: Sequence[xr.Dataset], time: NDArray[np.float64]) -> dict[str, Any]:
-    """Bound of the heading for each case at the times of the campaign, and its RMS over the window."""
-    series = np.full((len(bounds), len(time)), np.nan)
-    rms = np.full(len(bounds), np.nan)
-    for i, bound in enumerate(bounds):
-        if "bound.heading_sigma" in bound:
-            last = np.searchsorted(bound["bound_time"].values, time + 1e-6, side="right") - 1
-            inside = time <= float(bound["bound_time"].values[-1]) + 1e-6
-            series[i, inside] = bound["bound.heading_sigma"].values[last][inside]
-            rms[i] = bound.attrs["bound.heading_rms"]
-    what = "Posterior Cramer-Rao bound of the heading"
-    return {
-        "heading_bound": (("scenario", "time"), series, _attributes("rad", what)),
-        "heading_bound_rms": ("scenario", rms, _attributes("rad", f"{what}: RMS over the window")),
-    }
+    """Bound of each case at the times of the campaign, and its RMS over the window; NaN without one."""
+    variables: dict[str, Any] = {}
+    for name in BOUNDED:
+        courses = [_bound(bound, name) for bound in bounds]
+        series = np.full((len(bounds), len(time)), np.nan)
+        rms = np.full(len(bounds), np.nan)
+        for i, (bound, sigma) in enumerate(zip(bounds, courses, strict=True)):
+            if sigma is None:
+                continue
+            at = bound["bound_time"].values
+            start, stop = (bound.attrs[f"evaluation.{edge}"] for edge in ("start", "stop"))
+            inside = time <= at[-1] + 1e-6
+            series[i, inside] = sigma[np.searchsorted(at, time[inside] + 1e-6, side="right") - 1]
+            rms[i] = np.sqrt(np.mean(sigma[(at >= start) & (at <= stop)] ** 2))
+        unit, what = ERRORS[name].unit, f"Posterior Cramer-Rao bound of the {ERRORS[name].title.lower()}"
+        variables[f"{name}_bound"] = (("scenario", "time"), series, _attributes(unit, what))
+        about = _attributes(unit, f"{what}: RMS over the window")
+        variables[f"{name}_bound_rms"] = ("scenario", rms, about)
+    return variables
+
+
+def _bound(data: xr.Dataset, name: str) -> NDArray[np.float64] | None:
+    """Sigma of an error after each fix, None if the bound does not have it."""
+    source = {"heading": "bound.heading_sigma", "horizontal": "bound.position_sigma"}[name]
+    if source not in data:
+        return None
+    sigma: NDArray[np.float64] = data[source].values
+    return sigma if sigma.ndim == 1 else np.hypot(sigma[:, 0], sigma[:, 1])
 
 
 def _about(plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[xr.Dataset]) -> dict[str, Any]:

@@ -18,10 +18,11 @@ UNITS: Final = {"rad": ("arcmin", ARCMIN), "m/s": ("m/s", 1.0), "m": ("m", 1.0)}
 
 def figures(case: CaseSummary) -> Rows:
     """Main table of a case, its heading first: a line for each filter."""
+    unit, size = unit_of(case)
     rows = [
         [
             "filter",
-            "heading\nRMSE [']",
+            f"{ERRORS[case.counting].title.lower()}\nRMSE [{unit}]",
             "95 %\ninterval",
             "/\nbound",
             f"/ {case.reference}\n(95 %)",
@@ -32,12 +33,12 @@ def figures(case: CaseSummary) -> Rows:
         ]
     ]
     for label, one in case.filters.items():
-        heading = one.rmse["heading"] / ARCMIN
+        rmse = one.rmse[case.counting] / size
         rows.append(
             [
                 label,
-                number(heading.value),
-                _span(heading),
+                number(rmse.value),
+                _span(rmse),
                 number(one.to_bound.value),
                 "1" if label == case.reference else f"{number(one.ratio.value)} ({_span(one.ratio)})",
                 f"{round(one.failures.value * one.runs)} / {one.runs}",
@@ -59,14 +60,24 @@ def errors(case: CaseSummary) -> Rows:
 
 
 def by_scenario(cases: Sequence[CaseSummary]) -> Rows:
-    """Heading RMSE of filters (lines) in scenarios (columns), and the bound."""
+    """RMSE of the error that counts: filters in lines, scenarios in columns, and the bound."""
     labels = dict.fromkeys(label for case in cases for label in case.filters)
-    rows = [["heading RMSE [']", *(case.label for case in cases)]]
+    units = [unit_of(case) for case in cases]
+    titles = [f"{case.label}: {case.counting} [{unit}]" for case, (unit, _) in zip(cases, units, strict=True)]
+    rows = [["RMSE (95 % interval)", *titles]]
     for label in labels:
-        cells = [case.filters.get(label) for case in cases]
-        rows.append([label, *("" if c is None else interval(c.rmse["heading"] / ARCMIN) for c in cells)])
-    rows.append(["Cramer-Rao bound", *(number(case.bound_rms / ARCMIN) for case in cases)])
-    return rows
+        row = [label]
+        for case, (_, size) in zip(cases, units, strict=True):
+            one = case.filters.get(label)
+            row.append("" if one is None else interval(one.rmse[case.counting] / size))
+        rows.append(row)
+    bounds = [number(case.bound_rms / size) for case, (_, size) in zip(cases, units, strict=True)]
+    return [*rows, ["Cramer-Rao bound", *bounds]]
+
+
+def unit_of(case: CaseSummary) -> tuple[str, float]:
+    """Unit in which people read the error that counts, and its size."""
+    return UNITS[ERRORS[case.counting].unit]
 
 
 def markdown(rows: Rows) -> str:
@@ -80,7 +91,8 @@ def for_machines(case: CaseSummary) -> dict[str, Any]:
     """All figures of a case in SI units; an interval as a list, None where a figure does not exist."""
     return {
         "reference": case.reference,
-        "heading_bound": json_number(case.bound_rms),
+        "counting": case.counting,
+        "bound": json_number(case.bound_rms),
         "filters": {
             label: {
                 "runs": one.runs,

@@ -11,8 +11,10 @@
   await run(element("plotly").textContent);
   fillControls();
   element("controls").hidden = false;
+  element("case").addEventListener("change", chooseCounting);
   element("controls").addEventListener("change", draw);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { paintSwatches(); draw(); });
+  chooseCounting();
   draw();
 
   // Run a script that is given as base64 of gzip.
@@ -40,6 +42,10 @@
       element("filters").append(entry);
     });
     paintSwatches();
+  }
+
+  function chooseCounting() {
+    element("quantity").value = content.cases[element("case").value].counting;
   }
 
   function theme() {
@@ -93,8 +99,9 @@
         traces.push(...area(one.time, lower, upper, `${colour(filter.i)}33`));
       }
     }
-    if (quantity === "heading" && one.bound.some((value) => value !== null)) {
-      traces.push({ name: "Cramer-Rao bound", x: one.time, y: one.bound, mode: "lines",
+    const bound = one.bounds[quantity];
+    if (bound && bound.some((value) => value !== null)) {
+      traces.push({ name: "Cramer-Rao bound", x: one.time, y: bound, mode: "lines",
                     line: { color: theme().ink, width: 1.2 } });
     }
     for (const filter of filters) traces.push(curve(filter, one.time, filter.data.errors[quantity].middle));
@@ -107,7 +114,8 @@
       return curve(filter, each, each.map((_, k) => (100 * (k + 1)) / each.length),
                    { line: { ...curve(filter).line, shape: "hv" } });
     });
-    plot("runs", traces, "Runs by heading RMSE", "arcmin", "% of the runs", false);
+    const { title, unit } = content.quantities[one.counting];
+    plot("runs", traces, `Runs by ${title.toLowerCase()} RMSE`, unit, "% of the runs", false);
   }
 
   function drawConsistency(one, filters, what) {

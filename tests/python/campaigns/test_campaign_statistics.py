@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
 from scipy import stats
 
-from sim_scenarios.campaigns.quantities import FIGURES, SERIES
+from sim_scenarios.campaigns import table
+from sim_scenarios.campaigns.quantities import BOUNDED, FIGURES, SERIES
 from sim_scenarios.campaigns.statistics import (
     consistency_course,
     error_course,
@@ -120,13 +123,16 @@ def results() -> xr.Dataset:
             **{name: ((*runs, "time"), np.ones((1, 2, 4, 3))) for name in SERIES},
             **{name: (runs, np.ones((1, 2, 4))) for name in FIGURES},
             "state": (runs, np.full((1, 2, 4), State.finished, np.int8)),
-            "heading_bound": (("scenario", "time"), np.ones((1, 3))),
+            **{f"{name}_bound": (("scenario", "time"), np.ones((1, 3))) for name in BOUNDED},
             "heading_bound_rms": ("scenario", [0.5]),
+            "horizontal_bound_rms": ("scenario", [2.0]),
         },
         coords={"scenario": ["case"], "filter": ["a", "b"], "time": [0.0, 1.0, 2.0]},
         attrs={
             "plan": '{"reference": null}',
-            "cases": '{"case": {"attributes": {"evaluation.stop": 1.0}}}',
+            "cases": json.dumps(
+                {"case": {"attributes": {"evaluation.stop": 1.0, "filter_fmu": "AlignmentFilter"}}}
+            ),
         },
     )
     data["state"][0, 1, 3] = State.failed
@@ -160,6 +166,17 @@ def test_filters_are_compared_on_the_seeds_that_both_finished(results: xr.Datase
     results.attrs["plan"] = '{"reference": "b"}'
     (case,) = summarise(results)
     assert case.filters["a"].ratio.value == pytest.approx(1 / 3)
+
+
+def test_navigation_is_judged_by_the_horizontal_position(results: xr.Dataset) -> None:
+    results.attrs["cases"] = results.attrs["cases"].replace("AlignmentFilter", "NavigationFilter")
+    results["horizontal_rmse"][0] = [[6, 6, 6, 6], [3, 3, 3, np.nan]]
+    (case,) = summarise(results)
+    assert case.counting == "horizontal"
+    assert case.filters["a"].to_bound.value == pytest.approx(3)
+    assert case.filters["b"].ratio.value == pytest.approx(0.5)
+    assert table.by_scenario([case])[0][1] == "case: horizontal [m]"
+    assert table.figures(case)[1][1] == "6.00"
 
 
 def test_a_filter_that_a_case_lacks_has_no_summary(results: xr.Dataset) -> None:

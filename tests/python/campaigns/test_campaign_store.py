@@ -1,0 +1,85 @@
+"""The data set before the first run: bounds in their places, and nothing half made."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sim_scenarios.campaigns import store
+from sim_scenarios.campaigns.plan import Case, Plan, cases, load_plan
+from sim_scenarios.campaigns.store import Batch, State
+from sim_scenarios.fmus import Fmus
+
+WINDOW = {"evaluation.start": 1.0, "evaluation.stop": 3.0, "filter_fmu": "NavigationFilter"}
+
+
+@pytest.fixture
+def plan() -> Plan:
+    return load_plan("waves", runs=5, set={"duration": 4.0, "evaluation.start": 1.0})
+
+
+@pytest.fixture
+def made(plan: Plan, fmus: Fmus) -> list[Case]:
+    return cases(plan, fmus)
+
+
+def test_bounds_hold_from_fix_to_fix(tmp_path: Path, plan: Plan, made: list[Case]) -> None:
+    bound = xr.Dataset(
+        {
+            "bound.heading_sigma": ("bound_time", [9.0, 5.0, 3.0]),
+            "bound.position_sigma": (
+                ("bound_time", "axis3"),
+                [[3.0, 4.0, 9.0], [6.0, 8.0, 9.0], [0.0, 5.0, 9.0]],
+            ),
+        },
+        coords={"bound_time": [0.0, 1.5, 3.0]},
+        attrs=WINDOW,
+    )
+    store.create(tmp_path, plan, made, "any", [bound])
+    results = store.open_results(tmp_path).isel(scenario=0)
+    np.testing.assert_array_equal(results["heading_bound"], [9, 9, 5, 3, np.nan])
+    np.testing.assert_array_equal(results["horizontal_bound"], [5, 5, 10, 5, np.nan])
+    assert float(results["heading_bound_rms"]) == pytest.approx(np.sqrt((25 + 9) / 2))
+    assert float(results["horizontal_bound_rms"]) == pytest.approx(np.sqrt((100 + 25) / 2))
+
+
+def test_a_case_may_lack_a_bound(tmp_path: Path, plan: Plan, made: list[Case]) -> None:
+    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)])
+    results = store.open_results(tmp_path)
+    assert np.isnan(results["heading_bound"]).all()
+    assert np.isnan(results["horizontal_bound_rms"]).all()
+
+
+def test_nothing_half_made_is_left_or_taken(
+    tmp_path: Path, plan: Plan, made: list[Case], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(draft: Path, target: Path) -> Path:
+        if target == tmp_path / store.NAME:
+            raise KeyboardInterrupt
+        return replace(draft, target)
+
+    replace = Path.replace
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)])
+    assert not store.is_there(tmp_path, "any")
+    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)])
+    assert store.is_there(tmp_path, "any")
+
+
+def test_a_batch_is_missing_until_its_state_is_written(tmp_path: Path, plan: Plan, made: list[Case]) -> None:
+    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)])
+    path = tmp_path / store.NAME
+    missing = list(store.unfinished(path))
+    assert missing == [Batch(0, run, run + 1) for run in range(5)]
+    writer = store.Writer(path)
+    filters = store.open_results(tmp_path).sizes["filter"]
+    values = {name: np.ones((filters, 1, writer.times)) for name in store.SERIES}
+    values |= {name: np.ones((filters, 1)) for name in store.FIGURES}
+    writer.write(missing[3], values, np.full((filters, 1), State.finished, np.int8))
+    assert list(store.unfinished(path)) == [*missing[:3], missing[4]]
+    assert store.counts(path)[State.finished] == filters
