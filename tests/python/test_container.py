@@ -32,6 +32,7 @@ def case_of(fmus: Fmus, scenario: str, **settings: object) -> Case:
         ("swaying_ship", {}),
         ("gnss_outliers", {"gnss.rate": 10.0}),  # a fix at every recorded instant
         ("waves", {"gnss.latency": 0.35, "plant.gnss.lever_arm": [0.5, 2.0, 8.0]}),
+        ("flight_loose_tight", {}),  # the NavigationFilter, with its Boolean signals
         ("parked_vehicle", {"communication_step": 0.02, "recording_period": 0.2}),
     ],
 )
