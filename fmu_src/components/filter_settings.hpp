@@ -6,6 +6,7 @@
 
 #include "components/engine.hpp"
 #include "components/parameter_rules.hpp"
+#include "estimation/integration.hpp"
 
 namespace truenorth {
 
