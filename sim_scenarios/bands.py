@@ -65,6 +65,21 @@ def at_rest() -> list[Band]:
     return [*headings, *tilts, Band("UKF", 0.97, 1.03, over="EKF")]
 
 
+NAVIGATION = ("horizontal", "vertical", "velocity", "tilt", "yaw")
+
+
+def navigation(
+    label: str, *prototype: tuple[float, float], figures: Sequence[str] = NAVIGATION
+) -> list[Band]:
+    """Bands of mean and standard deviation of a prototype's runs, in the order of the figures."""
+    return [
+        Band(label, mean - 1.1 * deviation, mean + 1.1 * deviation, figure)
+        for figure, (mean, deviation) in zip(figures, prototype, strict=True)
+    ]
+
+
+CLEAN = ((3.56, 0.72), (1.23, 0.24), (0.0389, 0.0061), (0.199, 0.036), (0.576, 0.34))
+
 SOONER = Band("UKF", 0.65, 0.90, "settling", over="EKF")
 
 CHECKS = (
@@ -89,6 +104,51 @@ CHECKS = (
     Check("static_large_misalignment", [*at_rest(), SOONER], runs=100),
     Check("static_large_misalignment_azimuth", [*at_rest(), SOONER], runs=100),
     Check("static_large_misalignment_small", at_rest(), runs=100),
+    Check(
+        "flight_constant_speed",
+        [
+            *(band for label in ("EKF", "UKF", "augmented UKF") for band in navigation(label, *CLEAN)),
+            *(Band("EKF", 0.98, 1.02, figure, over="UKF") for figure in NAVIGATION),
+            Band("UKF", 0.98, 1.02, "nis"),
+        ],
+        runs=20,
+    ),
+    Check(
+        "flight_outliers",
+        [
+            *navigation("UKF", (13.4, 3.1), (4.6, 1.3), (0.139, 0.025), (0.51, 0.18), (1.21, 0.46)),
+            *navigation("IGG", (3.57, 0.71), (1.24, 0.24), (0.0392, 0.0066), (0.201, 0.037), (0.58, 0.35)),
+            Band("IGG", 0.26, 0.31, "velocity", over="UKF"),
+        ],
+        runs=20,
+    ),
+    Check(
+        "flight_varying_noise",
+        [
+            *navigation("UKF", (10.1, 1.2), (4.55, 1.1), (0.382, 0.030), (4.41, 0.33), (7.9, 2.7)),
+            *navigation("VB, rho 0.99", (9.7, 1.3), (3.15, 1.1), (0.260, 0.033), (2.26, 0.30), (3.6, 1.4)),
+        ],
+        runs=10,
+    ),
+    Check(
+        "flight_accelerometer_fault",
+        [
+            *navigation("UKF", (105, 0.6), figures=["horizontal"]),
+            *navigation("adaptive factor", (3.19, 0.32), figures=["horizontal"]),
+            *navigation("IGG with guard", (3.52, 0.32), figures=["horizontal"]),
+        ],
+        runs=20,
+    ),
+    Check("gnss_outage_turn", navigation("UKF", (36, 23), figures=["horizontal_at_end"]), runs=20),
+    Check("gnss_outage_turn_tight", navigation("UKF", (2.98, 1.6), figures=["horizontal_at_end"]), runs=20),
+    Check(
+        "flight_loose_tight",
+        [
+            *navigation("loose", (0.996, 0.21), figures=["horizontal"]),
+            *navigation("tight", (0.673, 0.18), figures=["horizontal"]),
+        ],
+        runs=20,
+    ),
 )
 
 
