@@ -22,7 +22,7 @@ void publish_estimate(Outputs& outputs, const Engine& engine, double time, const
     nav.longitude = best.position.longitude;
     nav.height = best.position.height;
 
-    const Matrix<Engine::kStates> covariance = engine.covariance();
+    const auto& covariance = engine.covariance();  // by value or by reference, as the engine has it
     const Vector<Engine::kStates> sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     const Vector<Engine::kStates> found = engine.estimator.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     outputs.misalignment = engine.misalignment();
