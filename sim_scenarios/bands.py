@@ -22,7 +22,7 @@ from sim_scenarios.ensemble import FIGURES, Ensemble, Window, ensemble, processe
 
 @dataclass(frozen=True)
 class Band:
-    """What a figure of a filter must lie in; of its ratio to another filter's, if one is named.
+    """What a figure of a filter must lie in, or its ratio to another filter's, or their difference.
 
     Attributes
     ----------
@@ -33,6 +33,8 @@ class Band:
         Name in `ensemble.FIGURES`.
     over : str or None
         Filter to divide by.
+    minus : str or None
+        Filter that may differ in nothing by more: the largest difference of any error, in SI units.
     """
 
     label: str
@@ -40,6 +42,22 @@ class Band:
     high: float
     figure: str = "heading"
     over: str | None = None
+    minus: str | None = None
+
+    @property
+    def what(self) -> str:
+        """The filter, or the two."""
+        if self.minus:
+            return f"{self.label} - {self.minus}"
+        return f"{self.label} / {self.over}" if self.over else self.label
+
+    @property
+    def title(self) -> str:
+        """The figure with its unit."""
+        if self.minus:
+            return "largest difference [SI]"
+        figure = FIGURES[self.figure]
+        return figure.title if self.over or not figure.unit else f"{figure.title} [{figure.unit}]"
 
 
 @dataclass(frozen=True)
@@ -53,7 +71,7 @@ class Check:
     @property
     def labels(self) -> list[str]:
         """Filters that are needed."""
-        names = [name for band in self.bands for name in (band.label, band.over) if name]
+        names = [name for band in self.bands for name in (band.label, band.over, band.minus) if name]
         return list(dict.fromkeys(names))
 
 
@@ -110,6 +128,7 @@ CHECKS = (
             *(band for label in ("EKF", "UKF", "augmented UKF") for band in navigation(label, *CLEAN)),
             *(Band("EKF", 0.98, 1.02, figure, over="UKF") for figure in NAVIGATION),
             Band("UKF", 0.98, 1.02, "nis"),
+            Band("UKF", 0, 1e-7, minus="EKF"),
         ],
         runs=20,
     ),
@@ -169,12 +188,12 @@ class Row:
 
     def markdown(self) -> str:
         """The line in Markdown."""
-        band, figure = self.band, FIGURES[self.band.figure]
+        band = self.band
         limits = f"{band.low:.4g} to {band.high:.4g}" if np.isfinite(band.high) else f"above {band.low:g}"
         cells = (
             self.check.scenario,
-            f"{band.label} / {band.over}" if band.over else band.label,
-            figure.title if band.over or not figure.unit else f"{figure.title} [{figure.unit}]",
+            band.what,
+            band.title,
             f"{self.value:.4g}",
             "{:.3g} to {:.3g}".format(*self.spread) if self.spread else "",
             limits,
@@ -193,10 +212,12 @@ HEADING = (
 def rows(check: Check, runs: Ensemble, count: int) -> Iterator[Row]:
     """Lines of a check from its runs."""
     for band in check.bands:
+        if band.minus:
+            yield Row(check, band, count, runs.largest_difference(band.label, band.minus), None)
+            continue
         value = runs.figure(band.figure, band.label, over=band.over)
         each = FIGURES[band.figure].of_each(runs.filters[band.label], runs.window)
-        spread = None if band.over else (min(each), max(each))
-        yield Row(check, band, count, value, spread)
+        yield Row(check, band, count, value, None if band.over else (min(each), max(each)))
 
 
 def main() -> int:

@@ -188,6 +188,11 @@ class Ensemble:
         """The evaluation window of the scenario [s]."""
         return float(self.attributes["evaluation.start"]), float(self.attributes["evaluation.stop"])
 
+    def largest_difference(self, one: str, other: str) -> float:
+        """Largest difference of any error of two filters at any time, in SI units."""
+        differences = self.filters[one].values[:, :, :NIS] - self.filters[other].values[:, :, :NIS]
+        return float(np.max(np.abs(differences)))
+
     def figure(self, name: str, label: str, window: Window | None = None, over: str | None = None) -> float:
         """A figure of a filter over all runs; over that of another filter, if one is named."""
         value = FIGURES[name].of(self.filters[label], window or self.window)

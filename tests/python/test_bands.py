@@ -36,6 +36,16 @@ def test_rows_are_root_mean_squares_over_runs() -> None:
     assert ratio.markdown().startswith("| any | a / b | heading RMSE | 1 |  | 0.9 to 1.1 | ok |")
 
 
+def test_two_filters_may_have_to_be_one() -> None:
+    check = Check("any", [Band("a", 0, 1e-7, minus="b")])
+    assert check.labels == ["a", "b"]
+    for other, ok in ((3 + 1e-5, True), (3 + 1e-3, False)):  # 3e-9 and 3e-7 rad
+        (row,) = rows(check, runs_with({"a": [3, 5], "b": [other, 5]}), 2)
+        assert row.value == pytest.approx((other - 3) * ARCMIN, rel=1e-6)
+        assert row.ok is ok
+        assert row.markdown().startswith("| any | a - b | largest difference [SI] |")
+
+
 def test_a_band_may_be_open_above() -> None:
     (row,) = rows(Check("any", [Band("a", 40, float("inf"))]), runs_with({"a": [50]}), 1)
     assert row.ok
