@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+
 import pytest
 import xarray as xr
 
@@ -29,3 +31,8 @@ def ship(fmus: Fmus) -> xr.Dataset:
 def outliers(fmus: Fmus) -> xr.Dataset:
     """A comparison in which fixes are rejected."""
     return sim_scenarios.compare("gnss_outliers", seed=12, set={"duration": 400.0}, fmus=fmus)
+
+
+def pytest_configure() -> None:
+    """A suite in the background of a shell ignores SIGINT; the commands that it starts must not."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
