@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from sim_scenarios.campaigns import campaign
     from sim_scenarios.errors import InputError, SimulationError
+    from sim_scenarios.exchange import export
     from sim_scenarios.metrics import Verdict, judge
     from sim_scenarios.recorded_imu import Start, ZeroVelocity, replay
     from sim_scenarios.recording import load, save
@@ -31,6 +32,7 @@ __all__ = [
     "bound",
     "campaign",
     "compare",
+    "export",
     "judge",
     "load",
     "replay",
@@ -41,6 +43,7 @@ __all__ = [
 _HOMES = {
     "campaigns": ("campaign",),
     "errors": ("InputError", "SimulationError"),
+    "exchange": ("export",),
     "metrics": ("Verdict", "judge"),
     "recorded_imu": ("Start", "ZeroVelocity", "replay"),
     "recording": ("load", "save"),

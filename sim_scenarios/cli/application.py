@@ -7,6 +7,7 @@ import typer
 from sim_scenarios.cli.bound import show_bound
 from sim_scenarios.cli.campaign import run_campaign
 from sim_scenarios.cli.compare import compare_filters
+from sim_scenarios.cli.export import export_scenario
 from sim_scenarios.cli.listing import list_scenarios
 from sim_scenarios.cli.paper import reproduce_paper
 from sim_scenarios.cli.replay import replay_recording
@@ -37,6 +38,7 @@ def truenorth() -> None:
         truenorth paper zhou                     what a paper prints, and what is found
         truenorth bound zigzag                   how well any filter could do
         truenorth replay imu.csv --heading 100   a recorded IMU through the filter
+        truenorth export swaying_ship            for other tools: FMUs, SSP, OSP, reference results
 
     Each command explains itself: `truenorth run --help`. Exit code: 0 converged, 1 not converged, 2 bad
     input, 130 interrupted.
@@ -50,3 +52,4 @@ app.command("campaign")(run_campaign)
 app.command("paper")(reproduce_paper)
 app.command("bound")(show_bound)
 app.command("replay")(replay_recording)
+app.command("export")(export_scenario)

@@ -24,6 +24,15 @@ def scalar_names(variable: ModelVariable) -> list[str]:
     return [f"{variable.name}[{','.join(map(str, index))}]" for index in indices]
 
 
+def _starts(variable: ModelVariable) -> dict[str, Number]:
+    """Start values of the elements; none for an output."""
+    if variable.start is None:
+        return {}
+    names, texts = scalar_names(variable), variable.start.split()
+    convert = {"Float64": float, "Boolean": lambda text: text == "true"}.get(variable.type, int)
+    return dict(zip(names, map(convert, texts), strict=True))
+
+
 @dataclass(frozen=True)
 class Fmu3:
     """An unpacked FMI 3 FMU."""
@@ -69,10 +78,16 @@ class Ports3:
     def __init__(self, fmu: FMU3Slave | FMU3Model, variables: Iterable[ModelVariable]) -> None:
         self.fmu = fmu
         self.groups: dict[str, tuple[list[int], list[str]]] = {}
+        self.starts: dict[str, Number] = {}
         for variable in variables:
             references, names = self.groups.setdefault(KINDS[variable.type], ([], []))
             references.append(variable.valueReference)
             names += scalar_names(variable)
+            self.starts |= _starts(variable)
+
+    def filled(self, values: dict[str, Number]) -> dict[str, Number]:
+        """Start values of all scalars, with those of `values` that are here in their place."""
+        return {name: values.get(name, start) for name, start in self.starts.items()}
 
     def read(self) -> dict[str, Number]:
         values: dict[str, Number] = {}

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 from archives import ROOT
 from calls import Fmu
-from package import package
+
+from sim_scenarios.archives import write_archive
 
 ADDED = {
     "modelDescription/{name}.toml": """
@@ -52,7 +53,7 @@ def test_packing_again_gives_the_same_bytes(fmu: Fmu, tmp_path: Path) -> None:
     with zipfile.ZipFile(fmu.archive) as content:
         members = {name: fmu.folder / name for name in content.namelist()}
     again = tmp_path / fmu.archive.name
-    package(again, dict(reversed(members.items())))
+    write_archive(again, dict(reversed(members.items())))
     assert again.read_bytes() == fmu.archive.read_bytes()
 
 

@@ -1,0 +1,40 @@
+"""`truenorth export`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sim_scenarios.cli.options import AsJson, Scenario, Seed, Settings, settings
+from sim_scenarios.cli.terminal import print_json, print_pairs, refusing_bad_input
+from sim_scenarios.exchange import STEP, export
+
+
+def export_scenario(
+    scenario: Scenario,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Folder to write.", show_default="truenorth-export/SCENARIO"),
+    ] = None,
+    seed: Seed = None,
+    set_: Settings = None,
+    step: Annotated[float, typer.Option(help="Communication step of the exported system [s].")] = STEP,
+    as_json: AsJson = False,
+) -> None:
+    """Write a scenario for other tools: FMUs, SSP, OSP, parameters, reference results.
+
+    For example:
+
+        truenorth export swaying_ship
+        truenorth export zigzag --output partner --seed 7 --step 0.01
+    """
+    with refusing_bad_input():
+        folder = output or Path("truenorth-export") / Path(scenario).stem
+        system = export(scenario, folder, seed=seed, set=settings(set_), step=step)
+    files = {"ssp": str(folder / f"{system.name}.ssp"), "readme": str(folder / "README.md")}
+    if as_json:
+        print_json({"scenario": system.name, "communication_step": system.step, **files})
+    else:
+        print_pairs({"Scenario": system.name, "System": files["ssp"], "Read first": files["readme"]})

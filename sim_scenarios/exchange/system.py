@@ -1,0 +1,136 @@
+"""A scenario as a system of FMUs with all that is set in them, ready to be written down."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+
+from sim_scenarios.cosimulation import connected
+from sim_scenarios.fmus import Fmu, Fmus, Number, Variable
+from sim_scenarios.scenario import Scenario
+from sim_scenarios.simulation import TRUTH, filter_values, initial_values, start_plant
+
+PLANT, FILTER = "plant", "filter"
+SHOWN = ("nav.", "misalignment", "heading_sigma", "converged", "rejected_", "used_fixes", "truth.")
+"""Beginnings of the names of outputs that are offered to other tools beside the connected ones."""
+
+BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
+
+@dataclass(frozen=True)
+class Component:
+    """An FMU in a system.
+
+    Attributes
+    ----------
+    name : str
+    fmu : Fmu
+        FMI 2.
+    values : mapping of str to number
+        What is set before initialisation, by scalar name.
+    inputs, outputs : list of str
+        Scalars that are connected, or offered to other tools.
+    """
+
+    name: str
+    fmu: Fmu
+    values: Mapping[str, Number]
+    inputs: list[str]
+    outputs: list[str]
+
+    def variables(self, names: list[str]) -> list[Variable]:
+        """Variables by name."""
+        return [self.fmu.variables[name] for name in names]
+
+    @property
+    def units(self) -> dict[str, dict[str, int]]:
+        """Units by name, with the exponents of their SI base units; half-integer ones cannot be said."""
+        return {
+            str(unit.name): {base: power for base in BASES if (power := getattr(unit.baseUnit, base))}
+            for unit in self.fmu.model.unitDefinitions
+            if unit.baseUnit is not None
+        }
+
+    @property
+    def parameters(self) -> list[tuple[Variable, Number]]:
+        """What must be set, with its value: all but the enumerations that have this value anyway."""
+        return [
+            (self.fmu.variables[name], value)
+            for name, value in self.values.items()
+            if self.fmu.variables[name].kind != "Enumeration" or value != self.fmu.start(name)
+        ]
+
+    @property
+    def enumerations(self) -> list[str]:
+        """Enumerations that must be set."""
+        return [variable.name for variable, _ in self.parameters if variable.kind == "Enumeration"]
+
+
+@dataclass(frozen=True)
+class System:
+    """A plant and a filter, connected by equal names.
+
+    Attributes
+    ----------
+    name, description : str
+        Of the scenario.
+    stop, step : float
+        End and communication step [s].
+    plant, filter : Component
+    """
+
+    name: str
+    description: str
+    stop: float
+    step: float
+    plant: Component
+    filter: Component
+
+    @property
+    def components(self) -> list[Component]:
+        """In the order of stepping."""
+        return [self.plant, self.filter]
+
+    @property
+    def enumerations(self) -> list[str]:
+        """Enumerations that must be set, which libcosim cannot do."""
+        return [name for component in self.components for name in component.enumerations]
+
+    @property
+    def connections(self) -> list[str]:
+        """Names of the scalars that the plant puts out and the filter takes."""
+        return self.filter.inputs
+
+    @property
+    def units(self) -> dict[str, dict[str, int]]:
+        """Units of the FMUs."""
+        return {name: base for component in self.components for name, base in component.units.items()}
+
+
+def of_scenario(scenario: Scenario, fmus: Fmus) -> System:
+    """Plant and filter of a scenario; the filter starts from the truth with the scenario's errors."""
+    plant, filter_fmu = fmus.plant, fmus[scenario.filter_fmu]
+    with ExitStack() as stack:
+        truth = start_plant(scenario, fmus, stack).read(TRUTH)
+    start = initial_values(scenario, plant, dict(zip(TRUTH, truth, strict=True)))
+    signals = connected(plant.outputs(), filter_fmu)
+    return System(
+        name=scenario.name,
+        description=scenario.description,
+        stop=scenario.duration,
+        step=scenario.communication_step,
+        plant=Component(PLANT, plant, scenario.plant, [], [*signals, *_shown(plant)]),
+        filter=Component(
+            FILTER,
+            filter_fmu,
+            filter_values(filter_fmu, start, scenario.filter),
+            signals,
+            _shown(filter_fmu),
+        ),
+    )
+
+
+def _shown(fmu: Fmu) -> list[str]:
+    """Outputs of general interest; none is an enumeration, which some tools do not know."""
+    return [n for n in fmu.outputs() if n.startswith(SHOWN) and fmu.variables[n].kind != "Enumeration"]
