@@ -1,8 +1,8 @@
 """Write what follows from a component's declaration: C++, modelDescription.xml and the documentation page.
 
     generate.py code <Name>.toml <folder>           variables.hpp, variable_table.cpp
-    generate.py description <Name>.toml <folder>    fmi2/, fmi3/ (modelDescription.xml, terminals and icons),
-                                                    documentation/index.html, guid.cpp
+    generate.py description <Name>.toml <folder>    fmi2/, fmi3/ (modelDescription.xml, terminals and icons,
+                                                    build description), documentation/index.html, guid.cpp
 
 Everything goes to <folder>/<Name>/.
 """
@@ -22,6 +22,7 @@ from fmi2 import Fmi2
 from fmi3 import Fmi3
 from markupsafe import Markup
 from reading import read
+from sources import closure
 from structs import Cpp, nest
 from terminals import terminals
 
@@ -70,12 +71,14 @@ def description(declaration: Declaration, product: Product, sources: list[Path])
     fmi2, fmi3 = Fmi2(declaration), Fmi3(declaration)
 
     def interfaces(guid: str) -> dict[str, str]:
-        about = {"product": product, "guid": guid}
+        about = {"product": product, "guid": guid, "compiled": compiled_files(declaration, 2)}
         return {
             "fmi2/modelDescription.xml": render("modelDescription.xml", declaration, fmi2=fmi2, **about),
             "fmi3/modelDescription.xml": render("modelDescription3.xml", declaration, fmi3=fmi3, **about),
             "fmi2/terminalsAndIcons.xml": ports(declaration, arrays=False),
             "fmi3/terminalsAndIcons.xml": ports(declaration, arrays=True),
+            "fmi2/buildDescription.xml": build(declaration, 2),
+            "fmi3/buildDescription.xml": build(declaration, 3),
         }
 
     page = render(
@@ -96,6 +99,18 @@ def description(declaration: Declaration, product: Product, sources: list[Path])
 def ports(declaration: Declaration, *, arrays: bool) -> str:
     """Terminals of the component."""
     return render("terminalsAndIcons.xml", declaration, terminals=terminals(declaration, arrays=arrays))
+
+
+def build(declaration: Declaration, version: int) -> str:
+    """How the binary is compiled."""
+    return render("buildDescription.xml", declaration, compiled=compiled_files(declaration, version))
+
+
+def compiled_files(declaration: Declaration, version: int) -> list[str]:
+    """Source files of the FMU's binary, relative to the folder of the sources."""
+    begin = [f"fmi/fmi{version}.cpp", f"components/{declaration.snake_name}.hpp"]
+    written = [name for name in closure(begin, [ROOT / "fmu_src"]) if name.endswith(".cpp")]
+    return sorted([*written, f"{declaration.name}/guid.cpp", f"{declaration.name}/variable_table.cpp"])
 
 
 def content_hash(parts: list[str], sources: list[Path]) -> str:

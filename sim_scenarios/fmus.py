@@ -165,10 +165,10 @@ class Fmu:
 
     @property
     def folder(self) -> Path:
-        """Folder with the unpacked FMU."""
+        """Folder with the unpacked FMU, the source code excepted."""
         if self._unpacked is None:
             self._unpacked = TemporaryDirectory(prefix=f"{self.name}-")
-            fmpy.extract(str(self.path), unzipdir=self._unpacked.name)
+            fmpy.extract(str(self.path), unzipdir=self._unpacked.name, include=_needed_to_run)
         return Path(self._unpacked.name)
 
     @property
@@ -287,6 +287,11 @@ def did_you_mean(name: str, known: Mapping[str, object] | list[str]) -> str:
     """Hint at the known name that is closest to a wrong one; empty when none is close."""
     close = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
     return f"; did you mean '{close[0]}'?" if close else ""
+
+
+def _needed_to_run(member: str) -> bool:
+    """Whether a member of an FMU is not its source code."""
+    return not member.startswith("sources/")
 
 
 def _split_quantity(given: object) -> tuple[float, str]:

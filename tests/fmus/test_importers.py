@@ -88,6 +88,21 @@ def test_fmpy_repeats_the_reference_experiment_of_each_fmu(system: System, folde
         assert_same_table(result, expected)
 
 
+def test_fmpy_model_exchange_samples_as_co_simulation_does(system: System, folder: Path) -> None:
+    """With a solver of its own; the inputs of an event are there at once, those of a step at its end."""
+    component = system.filter
+    shared = {
+        "stop_time": STOP, "output_interval": STEP, "start_values": dict(component.values),
+        "input": table(folder / "reference" / f"{component.fmu.name}_in.csv"), "output": component.outputs,
+    }  # fmt: skip
+    archive = str(folder / "fmi2" / f"{component.fmu.name}.fmu")
+    exchanged = fmpy.simulate_fmu(archive, fmi_type="ModelExchange", record_events=False, **shared)
+    stepped = fmpy.simulate_fmu(archive, fmi_type="CoSimulation", **shared)
+    assert len(exchanged) == len(stepped)
+    for name in component.outputs:
+        np.testing.assert_array_equal(exchanged[name][:-1], stepped[name][1:], err_msg=name)
+
+
 def test_fmpy_runs_the_fmi_3_pair(
     system: System, folder: Path, reference: NDArray[np.void], tmp_path: Path
 ) -> None:
