@@ -73,4 +73,36 @@ Eigen::Matrix3d C_en(const Position& position) {
     return C;
 }
 
+Position geodetic(const Eigen::Vector3d& ecef) {
+    constexpr double semi_minor_axis = kSemiMajorAxis * (1.0 - kFlattening);
+    constexpr double second_eccentricity2 = kEccentricity2 / (1.0 - kEccentricity2);
+    const double from_axis = std::hypot(ecef.x(), ecef.y());
+    double latitude = std::atan2(ecef.z(), (1.0 - kEccentricity2) * from_axis);
+    for (int i = 0; i < 3; ++i) {
+        const double reduced = std::atan2((1.0 - kFlattening) * std::sin(latitude), std::cos(latitude));
+        latitude =
+            std::atan2(ecef.z() + second_eccentricity2 * semi_minor_axis * std::pow(std::sin(reduced), 3),
+                       from_axis - kEccentricity2 * kSemiMajorAxis * std::pow(std::cos(reduced), 3));
+    }
+    const double sin_latitude = std::sin(latitude);
+    return {.latitude = latitude,
+            .longitude = std::atan2(ecef.y(), ecef.x()),
+            .height = from_axis * std::cos(latitude) + ecef.z() * sin_latitude -
+                      kSemiMajorAxis * std::sqrt(1.0 - kEccentricity2 * sin_latitude * sin_latitude)};
+}
+
+Eigen::Vector3d earth_fixed_rate() { return {0.0, 0.0, kRate}; }
+
+Eigen::Vector3d gravitation(const Eigen::Vector3d& ecef) {
+    const Position place = geodetic(ecef);
+    const Eigen::Vector3d up = C_en(place).row(2);
+    const Eigen::Vector3d centripetal = -kRate * kRate * Eigen::Vector3d(ecef.x(), ecef.y(), 0.0);
+    return centripetal - gravity(place.latitude, place.height) * up;
+}
+
+Eigen::Quaterniond turn(double time) {
+    const double half = 0.5 * kRate * time;
+    return {std::cos(half), 0.0, 0.0, -std::sin(half)};
+}
+
 }  // namespace truenorth::earth

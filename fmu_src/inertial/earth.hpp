@@ -3,7 +3,7 @@
 // Frame: n = ENU (east, north, up) at the geodetic position given. SI units and radians throughout.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace truenorth::earth {
 
@@ -62,5 +62,17 @@ Eigen::Vector3d displacement(const Position& from, const Position& to);
 // components into ENU ones there.
 Eigen::Vector3d ecef(const Position& position);
 Eigen::Matrix3d C_en(const Position& position);
+
+// Position of Earth-fixed Cartesian coordinates [m], from the Earth's crust to satellites: Bowring's formula
+// (Survey Review 23(181), 1976), iterated; to rounding.
+Position geodetic(const Eigen::Vector3d& ecef);
+
+// Earth-fixed: Earth rate [rad/s], and gravitation at a place [m/s2], gravity without the centrifugal
+// acceleration.
+Eigen::Vector3d earth_fixed_rate();
+Eigen::Vector3d gravitation(const Eigen::Vector3d& ecef);
+
+// What Earth-fixed axes see of an inertial vector after they have turned for `time` seconds.
+Eigen::Quaterniond turn(double time);
 
 }  // namespace truenorth::earth

@@ -12,18 +12,24 @@ double two_sample_weight(double previous_dt, double dt) {
 
 }  // namespace
 
-void Mechanisation::advance(const ImuIncrement& increment) {
-    const double dt = increment.dt;
-    const double weight = two_sample_weight(previous_.dt, dt);
+BodyMotion body_motion(const ImuIncrement& previous, const ImuIncrement& increment) {
+    const double weight = two_sample_weight(previous.dt, increment.dt);
     const Eigen::Vector3d& angle = increment.delta_angle;
     const Eigen::Vector3d& velocity_increment = increment.delta_velocity;
 
-    const Eigen::Vector3d coning = weight * previous_.delta_angle.cross(angle);
+    const Eigen::Vector3d coning = weight * previous.delta_angle.cross(angle);
     const Eigen::Vector3d sculling =
-        weight * (previous_.delta_angle.cross(velocity_increment) + previous_.delta_velocity.cross(angle));
+        weight * (previous.delta_angle.cross(velocity_increment) + previous.delta_velocity.cross(angle));
     // To second order in the angle: the first alone leaves 1e-3 m/s after ten minutes of sway.
     const Eigen::Vector3d rotation_compensation =
         0.5 * angle.cross(velocity_increment) + angle.cross(angle.cross(velocity_increment)) / 6.0;
+    return {.rotation = angle + coning,
+            .delta_velocity = velocity_increment + rotation_compensation + sculling};
+}
+
+void Mechanisation::advance(const ImuIncrement& increment) {
+    const double dt = increment.dt;
+    const BodyMotion motion = body_motion(previous_, increment);
 
     // Slow quantities at the middle of the interval.
     const Eigen::Vector3d velocity_mid = state.velocity + 0.5 * dt * acceleration_;
@@ -33,8 +39,7 @@ void Mechanisation::advance(const ImuIncrement& increment) {
     const Eigen::Vector3d navigation_rotation = (omega_ie + omega_en) * dt;
 
     // Velocity: specific force resolved in n at mid-interval, gravity, Coriolis.
-    const Eigen::Vector3d delta_velocity_start =
-        state.q_bn * (velocity_increment + rotation_compensation + sculling);
+    const Eigen::Vector3d delta_velocity_start = state.q_bn * motion.delta_velocity;
     delta_velocity_n_ = delta_velocity_start - 0.5 * navigation_rotation.cross(delta_velocity_start);
     const Eigen::Vector3d gravity(0.0, 0.0, -earth::gravity(position_mid.latitude, position_mid.height));
     const Eigen::Vector3d velocity_change =
@@ -50,10 +55,10 @@ void Mechanisation::advance(const ImuIncrement& increment) {
     state.position.height += position_rate.z() * dt;
 
     // Attitude.
-    state.q_bn = quaternion(-navigation_rotation) * state.q_bn * quaternion(angle + coning);
+    state.q_bn = quaternion(-navigation_rotation) * state.q_bn * quaternion(motion.rotation);
     state.q_bn.normalize();
 
-    Eigen::Vector3d omega_ib_b = angle / dt;
+    Eigen::Vector3d omega_ib_b = increment.delta_angle / dt;
     if (previous_.dt > 0.0) {
         omega_ib_b += (dt / (dt + previous_.dt)) * (omega_ib_b - previous_.delta_angle / previous_.dt);
     }

@@ -26,6 +26,15 @@ struct ImuIncrement {
     }
 };
 
+// What an increment means for a body that turned and accelerated as the increment before suggests: its
+// rotation vector over the interval [rad], coning included, and the integral of the specific force in body
+// axes at the interval's start [m/s], sculling included.
+struct BodyMotion {
+    Eigen::Vector3d rotation;
+    Eigen::Vector3d delta_velocity;
+};
+BodyMotion body_motion(const ImuIncrement& previous, const ImuIncrement& increment);
+
 // Attitude (body to ENU), velocity in ENU [m/s] and geodetic position of the IMU.
 struct NavigationState {
     Eigen::Quaterniond q_bn = Eigen::Quaterniond::Identity();

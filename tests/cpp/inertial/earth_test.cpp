@@ -159,5 +159,58 @@ TEST(Ecef, IsThatOfPymap3d) {
     EXPECT_LT((C_en(china).transpose() * Eigen::Vector3d(1.0, 2.0, 3.0) - turned).norm(), 1e-14);
 }
 
+TEST(Geodetic, IsTheInverseOfEarthCentredCoordinates) {
+    std::vector<Position> all = places();
+    all.push_back({.latitude = 90.0 * kDegree, .longitude = 0.0, .height = 100.0});
+    all.push_back({.latitude = 0.5, .longitude = 1.0, .height = 2e7});
+    for (const Position& p : all) {
+        const Position back = geodetic(ecef::coordinates(p));
+        EXPECT_NEAR(back.latitude, p.latitude, 1e-15 * 4.0);
+        EXPECT_NEAR(back.longitude, p.longitude, 1e-15 * 4.0);
+        EXPECT_NEAR(back.height, p.height, 1e-8);
+    }
+}
+
+// Gradient of the potential of the WGS-84 ellipsoid by its harmonics J2 to J6 (TR8350.2), by differences.
+Eigen::Vector3d harmonic_gravitation(const Eigen::Vector3d& r) {
+    const auto potential = [](const Eigen::Vector3d& x) {
+        const double s = x.z() / x.norm();
+        const double s2 = s * s;
+        const double q2 = std::pow(kSemiMajorAxis / x.norm(), 2);
+        const double P2 = (3.0 * s2 - 1.0) / 2.0;
+        const double P4 = (35.0 * s2 * s2 - 30.0 * s2 + 3.0) / 8.0;
+        const double P6 = (231.0 * s2 * s2 * s2 - 315.0 * s2 * s2 + 105.0 * s2 - 5.0) / 16.0;
+        return kGravitationalParameter / x.norm() *
+               (1.0 - 1.082629821e-3 * q2 * P2 + 2.37091222e-6 * q2 * q2 * P4 -
+                6.08347e-9 * q2 * q2 * q2 * P6);
+    };
+    const double h = 100.0;
+    Eigen::Vector3d gradient;
+    for (int i = 0; i < 3; ++i) {
+        const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(i);
+        gradient(i) = (potential(r + step) - potential(r - step)) / (2.0 * h);
+    }
+    return gradient;
+}
+
+TEST(Gravitation, IsTheGradientOfThePotential) {
+    for (const Position& p : places()) {
+        const Eigen::Vector3d r = ecef::coordinates(p);
+        // Rounding of the potential over 200 m; normal gravity takes its direction from the ellipsoid below,
+        // which at 11 km is off by 1e-5 rad; its expansion in height.
+        EXPECT_LT((gravitation(r) - harmonic_gravitation(r)).norm(),
+                  1e-6 + 1e-4 * std::abs(p.height) / 11000.0)
+            << p.height;
+    }
+}
+
+TEST(Turn, IsWhatEarthFixedAxesSee) {
+    // A quarter of a turn brings the x axis to where y was: what pointed along y points along x.
+    const double quarter = 0.5 * std::numbers::pi / kRate;
+    EXPECT_LT((turn(quarter) * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitX()).norm(), 1e-12);
+    EXPECT_EQ(earth_fixed_rate(), kRate * Eigen::Vector3d::UnitZ());
+    EXPECT_LT((turn(100.0) * turn(-100.0) * kVelocity - kVelocity).norm(), 1e-13);
+}
+
 }  // namespace
 }  // namespace truenorth::earth

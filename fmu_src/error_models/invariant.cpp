@@ -1,0 +1,205 @@
+#include "error_models/invariant.hpp"
+
+#include <cmath>
+
+#include "error_models/antenna.hpp"
+#include "estimation/model.hpp"
+#include "inertial/attitude.hpp"
+#include "inertial/earth.hpp"
+
+namespace truenorth {
+
+static_assert(ErrorModel<Invariant<false>> && NonlinearMeasurement<Invariant<false>>);
+static_assert(ErrorModel<Invariant<true>> && NonlinearMeasurement<Invariant<true>>);
+
+namespace {
+
+// Mean over an interval of a Gauss-Markov process that starts at 1.
+double mean_of_decay(double dt, double correlation_time) {
+    const double ratio = dt / correlation_time;
+    return std::abs(ratio) < 1e-9 ? 1.0 : -std::expm1(-ratio) / ratio;
+}
+
+}  // namespace
+
+template <bool coloured>
+auto Invariant<coloured>::State::of(const NavigationState& navigation) -> State {
+    const Eigen::Matrix3d C_ne = earth::C_en(navigation.position).transpose();
+    const Eigen::Vector3d position = earth::ecef(navigation.position);
+    return {.pose = {.attitude = Eigen::Quaterniond(C_ne) * navigation.q_bn,
+                     .velocity = C_ne * navigation.velocity + earth::earth_fixed_rate().cross(position),
+                     .position = position}};
+}
+
+template <bool coloured>
+NavigationState Invariant<coloured>::State::navigation() const {
+    const earth::Position position = earth::geodetic(pose.position);
+    const Eigen::Matrix3d C_en = earth::C_en(position);
+    return {.q_bn = Eigen::Quaterniond(C_en) * pose.attitude,
+            .velocity = C_en * (pose.velocity - earth::earth_fixed_rate().cross(pose.position)),
+            .position = position};
+}
+
+template <bool coloured>
+auto Invariant<coloured>::retract(const State& x, const Deviation& deviation) -> State {
+    return {.pose = x.pose * ExtendedPose::exponential(deviation.template head<kGyro>()),
+            .sensors = x.sensors + deviation.template tail<kSensors>()};
+}
+
+template <bool coloured>
+auto Invariant<coloured>::local(const State& x, const State& other) -> Deviation {
+    Deviation deviation;
+    deviation << (x.pose.inverse() * other.pose).logarithm(), other.sensors - x.sensors;
+    return deviation;
+}
+
+template <bool coloured>
+auto Invariant<coloured>::moved(const State& x, const Interval& interval) const -> State {
+    const double T = interval.duration;
+    State end = x;
+    if constexpr (coloured) {
+        const Markov& gyro = noise.gyro;
+        const Markov& accelerometer = noise.accelerometer;
+        Vector<6> mean = x.sensors.template tail<6>();
+        mean.head<3>() *= mean_of_decay(T, gyro.correlation_time);
+        mean.tail<3>() *= mean_of_decay(T, accelerometer.correlation_time);
+        end.sensors.template segment<3>(6) *= std::exp(-T / gyro.correlation_time);
+        end.sensors.template tail<3>() *= std::exp(-T / accelerometer.correlation_time);
+        end.pose = carried(x.pose, interval.corrected(x.sensors.template head<6>() + mean), T);
+    } else {
+        end.pose = carried(x.pose, interval.corrected(x.sensors), T);
+    }
+    return end;
+}
+
+template <bool coloured>
+Matrix<Invariant<coloured>::kStates> Invariant<coloured>::transition(const State& /*x*/,
+                                                                     const Interval& interval) const {
+    const double T = interval.duration;
+    const Eigen::Matrix3d back = interval.change.attitude.conjugate().toRotationMatrix();
+    Matrix<kStates> Phi = Matrix<kStates>::Identity();
+    Phi.template block<3, 3>(kRotation, kRotation) = back;
+    Phi.template block<3, 3>(kVelocity, kRotation) = -back * skew(interval.change.velocity);
+    Phi.template block<3, 3>(kVelocity, kVelocity) = back;
+    Phi.template block<3, 3>(kPosition, kRotation) = -back * skew(interval.change.position);
+    Phi.template block<3, 3>(kPosition, kVelocity) = T * back;
+    Phi.template block<3, 3>(kPosition, kPosition) = back;
+
+    Matrix<9, 6> bias = interval.bias_jacobian;
+    bias.template middleRows<3>(kVelocity) = (back * bias.template middleRows<3>(kVelocity)).eval();
+    bias.template middleRows<3>(kPosition) = (back * bias.template middleRows<3>(kPosition)).eval();
+    Phi.template block<9, 6>(0, kGyro) = bias;
+    if constexpr (coloured) {
+        const auto append = [&](int state, int column, double correlation_time) {
+            Phi.template block<9, 3>(0, state) =
+                mean_of_decay(T, correlation_time) * bias.template middleCols<3>(column);
+            Phi.template block<3, 3>(state, state).diagonal().setConstant(std::exp(-T / correlation_time));
+        };
+        append(kGyroMarkov, 0, noise.gyro.correlation_time);
+        append(kAccelerometerMarkov, 3, noise.accelerometer.correlation_time);
+    }
+    return Phi;
+}
+
+template <bool coloured>
+Matrix<Invariant<coloured>::kStates> Invariant<coloured>::process_noise(const State& x,
+                                                                        const Interval& interval) const {
+    Deviation density = Deviation::Zero();
+    const auto set = [&](int first, double value) {
+        density.template segment<3>(first).setConstant(value * value);
+    };
+    set(kRotation, noise.angle_random_walk);
+    set(kVelocity, noise.velocity_random_walk);
+    set(kGyro, noise.gyro_random_walk);
+    set(kAccelerometer, noise.accelerometer_random_walk);
+    if constexpr (coloured) {
+        set(kGyroMarkov, noise.gyro.sigma * std::sqrt(2.0 / noise.gyro.correlation_time));
+        set(kAccelerometerMarkov,
+            noise.accelerometer.sigma * std::sqrt(2.0 / noise.accelerometer.correlation_time));
+    }
+    // By Simpson's rule over the time at which the noise arrives: at the start, half-way, at the end.
+    const Deviation sixth = interval.duration / 6.0 * density;
+    const Matrix<kStates> start = transition(x, interval);
+    const Matrix<kStates> middle = 0.5 * (start + Matrix<kStates>::Identity());
+    Matrix<kStates> Q = start * sixth.asDiagonal() * start.transpose() +
+                        middle * (4.0 * sixth).asDiagonal() * middle.transpose();
+    Q.diagonal() += sixth;
+    symmetrise(Q);
+    return Q;
+}
+
+template <bool coloured>
+auto Invariant<coloured>::Fix::of(const earth::Position& position, const Eigen::Vector3d& velocity,
+                                  const Eigen::Vector3d& lever_arm, const Eigen::Vector3d& omega_ib_b)
+    -> Fix {
+    const Eigen::Matrix3d C_en = earth::C_en(position);
+    const Eigen::Vector3d ecef = earth::ecef(position);
+    return {.C_en = C_en,
+            .position = ecef,
+            .velocity = C_en.transpose() * velocity + earth::earth_fixed_rate().cross(ecef),
+            .lever_arm = lever_arm,
+            .position_arm = lever_arm,
+            .velocity_arm = omega_ib_b.cross(lever_arm)};
+}
+
+template <bool coloured>
+auto Invariant<coloured>::Fix::after(const ExtendedPose& change, double duration) const -> Fix {
+    const Eigen::Quaterniond back = change.attitude.conjugate();
+    const ExtendedPose fallen = carried({.velocity = velocity, .position = position}, {}, duration);
+    Fix later = *this;
+    later.velocity = fallen.velocity;
+    later.position = fallen.position;
+    later.lever_arm = back * lever_arm;
+    later.position_arm = back * (position_arm + duration * velocity_arm - change.position);
+    later.velocity_arm = back * (velocity_arm - change.velocity);
+    return later;
+}
+
+template <bool coloured>
+Vector<Invariant<coloured>::kMeasurements> Invariant<coloured>::residual(const State& x, const Fix& fix) {
+    const ExtendedPose& pose = x.pose;
+    Vector<kMeasurements> residual;
+    residual << fix.C_en * (fix.position - (pose.position + pose.attitude * fix.position_arm)),
+        fix.C_en * (fix.velocity - (pose.velocity + pose.attitude * fix.velocity_arm));
+    return residual;
+}
+
+template <bool coloured>
+auto Invariant<coloured>::measurement_matrix(const State& x, const Fix& fix)
+    -> Matrix<kMeasurements, kStates> {
+    const Eigen::Matrix3d C_bn = body_to_navigation(x, fix);
+    const Eigen::Matrix3d gyro = C_bn * skew(fix.lever_arm);
+    Matrix<kMeasurements, kStates> H = Matrix<kMeasurements, kStates>::Zero();
+    H.template block<3, 3>(0, kRotation) = -C_bn * skew(fix.position_arm);
+    H.template block<3, 3>(0, kPosition) = C_bn;
+    H.template block<3, 3>(3, kRotation) = -C_bn * skew(fix.velocity_arm);
+    H.template block<3, 3>(3, kVelocity) = C_bn;
+    H.template block<3, 3>(3, kGyro) = gyro;
+    if constexpr (coloured) {
+        H.template block<3, 3>(3, kGyroMarkov) = gyro;
+    }
+    return H;
+}
+
+template <bool coloured>
+Matrix<Invariant<coloured>::kMeasurements> Invariant<coloured>::measurement_noise(const State& /*x*/,
+                                                                                  const Fix& /*fix*/) const {
+    return fix_covariance(noise.position_sigma, noise.velocity_sigma);
+}
+
+template <bool coloured>
+Matrix<Invariant<coloured>::kStates> Invariant<coloured>::navigation_errors(const State& x) {
+    const Eigen::Matrix3d C_bn =
+        earth::C_en(earth::geodetic(x.pose.position)) * x.pose.attitude.toRotationMatrix();
+    // The computed attitude is exp(-C_bn xi_R) times the true one, and so is phi.
+    Matrix<kStates> J = Matrix<kStates>::Identity();
+    J.template block<3, 3>(kRotation, kRotation) = C_bn;
+    J.template block<3, 3>(kVelocity, kVelocity) = -C_bn;
+    J.template block<3, 3>(kPosition, kPosition) = -C_bn;
+    return J;
+}
+
+template class Invariant<false>;
+template class Invariant<true>;
+
+}  // namespace truenorth
