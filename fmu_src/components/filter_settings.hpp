@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "components/engine.hpp"
 #include "components/parameter_rules.hpp"
@@ -77,10 +78,11 @@ Vector<Engine::kStates> prior_sigma_of(const Parameters& p) {
     return sigma;
 }
 
-template <class Corrector, class Parameters>
-void configure_corrector(Corrector& corrector, const Parameters& p) {
+// `prior_sigma` is that of the states.
+template <int N, int M, class Parameters>
+void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& prior_sigma, const Parameters& p) {
     using Chosen = decltype(p.corrector);
-    using Method = typename Corrector::Method;
+    using Method = typename Corrector<N, M>::Method;
     switch (p.corrector) {
         case Chosen::standard:
             corrector.method = Method::standard;
@@ -105,9 +107,14 @@ void configure_corrector(Corrector& corrector, const Parameters& p) {
     corrector.igg.k1 = p.igg.k1;
     corrector.igg.patience = p.igg.patience;
     auto& adaptive = corrector.adaptive_factor;
-    adaptive.form = p.adaptive.form == decltype(p.adaptive.form)::printed ? AdaptiveFactor::Form::printed
-                                                                          : AdaptiveFactor::Form::unit_free;
+    using AdaptiveForm = typename AdaptiveFactor<N>::Form;
+    adaptive.form = p.adaptive.form == decltype(p.adaptive.form)::printed ? AdaptiveForm::printed
+                                                                          : AdaptiveForm::unit_free;
     adaptive.threshold = p.adaptive.threshold;
+    // What is without a prior (a bias that is taken for known) sets no limit.
+    constexpr double kWidest = 1e3;
+    adaptive.widest =
+        (prior_sigma.array() > 0.0).select(kWidest * prior_sigma, std::numeric_limits<double>::infinity());
     corrector.igg.guard = adaptive;
     auto& bayes = corrector.variational_bayes;
     using BayesForm = typename std::remove_reference_t<decltype(bayes)>::Form;
@@ -161,7 +168,7 @@ void configure(Engine& engine, const Parameters& p) {
     }
     engine.estimator.predictor = predictor_of(p);
     engine.prior_sigma = prior_sigma_of<Engine>(p);
-    configure_corrector(engine.corrector, p);
+    configure_corrector(engine.corrector, engine.prior_sigma, p);
 }
 
 }  // namespace truenorth

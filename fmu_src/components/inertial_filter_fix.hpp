@@ -125,7 +125,7 @@ template <class E, class Fix>
 double InertialFilter<Interface, Engines...>::reconcile(E& engine, const Sighting& seen, const Fix& fix) {
     constexpr double smallest = 1e-12;  // divided by less, a covariance says nothing any more
     const auto before = engine.estimator.covariance;
-    double alpha = engine.corrector.adaptive_factor.alpha(engine.innovate(seen, fix));
+    double alpha = engine.corrector.adaptive_factor.alpha(before, engine.innovate(seen, fix));
     while (alpha > smallest) {
         engine.blame(alpha);
         if (engine.corrector.gate.admits(engine.innovate(seen, fix))) {

@@ -26,6 +26,7 @@
 #pragma once
 
 #include "estimation/gaussian.hpp"
+#include "inertial/attitude.hpp"
 #include "inertial/preintegration.hpp"
 
 namespace truenorth {

@@ -54,11 +54,10 @@ Error random_walk_variance(double angle_random_walk, double velocity_random_walk
     return variance;
 }
 
-// exp(-r x) = exp(phi x) exp(-(phi + d) x) gives r = (I + phi x / 2 + (phi x)^2 / 6 + ...) d.
+// exp(r x) = exp((phi + d) x) exp(-phi x) = exp((J d) x).
 Matrix<kCount> correction_jacobian(const Error& error) {
-    const Matrix3d phi = skew(error.segment<3>(kPhi));
     Matrix<kCount> G = Matrix<kCount>::Identity();
-    G.block<3, 3>(kPhi, kPhi) += 0.5 * phi + phi * phi / 6.0;
+    G.block<3, 3>(kPhi, kPhi) = left_jacobian(error.segment<3>(kPhi));
     return G;
 }
 

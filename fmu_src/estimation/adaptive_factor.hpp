@@ -7,13 +7,21 @@
 //
 // eq. 17 prints P_k, the posterior that it defines, for the predicted P_k^-. An outlier of the measurement is
 // thereby taken at its word: against outliers this corrector is the wrong one.
+//
+// alpha has a floor, which Li does not print: no state's sigma is made larger than `widest`. Every gross
+// error would otherwise divide again what no measurement sees (a heading at rest), until nothing is left of
+// P- / alpha - K S K^T but rounding.
 #pragma once
+
+#include <algorithm>
+#include <limits>
 
 #include "estimation/gaussian.hpp"
 #include "estimation/standard.hpp"
 
 namespace truenorth {
 
+template <int N>
 class AdaptiveFactor {
   public:
     enum class Form {
@@ -24,10 +32,11 @@ class AdaptiveFactor {
 
     Form form = Form::unit_free;
     double threshold = 2.1;  // unit_free only; a mean of u^2, 1 in a consistent filter
+    Vector<N> widest = Vector<N>::Constant(std::numeric_limits<double>::infinity());
 
-    template <int N, int M>
+    template <int M>
     [[nodiscard]] Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
-        const double factor = alpha(innovation);
+        const double factor = alpha(prior, innovation);
         Innovation<N, M> used = innovation;
         used.spread /= factor;
         used.cross /= factor;
@@ -37,8 +46,16 @@ class AdaptiveFactor {
     }
 
     // At most 1; 1: the innovation is what its covariance explains.
-    template <int N, int M>
-    [[nodiscard]] double alpha(const Innovation<N, M>& innovation) const {
+    template <int M>
+    [[nodiscard]] double alpha(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
+        const double floor = prior.diagonal().cwiseQuotient(widest.cwiseAbs2()).maxCoeff();
+        return std::min(std::max(explained(innovation), floor), 1.0);
+    }
+
+  private:
+    // The share of the innovation that its covariance explains; 1 where the test does not fire.
+    template <int M>
+    [[nodiscard]] double explained(const Innovation<N, M>& innovation) const {
         if (form == Form::printed) {
             const auto S = (innovation.spread + innovation.noise).diagonal().array();
             return limited(innovation.residual.squaredNorm(), innovation.present.select(S, 0.0).sum());
@@ -46,7 +63,6 @@ class AdaptiveFactor {
         return limited(innovation.standardised().squaredNorm(), threshold * innovation.channels());
     }
 
-  private:
     static double limited(double statistic, double limit) {
         return statistic > limit ? limit / statistic : 1.0;
     }

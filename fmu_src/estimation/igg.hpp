@@ -26,6 +26,7 @@
 
 namespace truenorth {
 
+template <int N>
 class Igg {
   public:
     double k0 = 2.5;
@@ -36,7 +37,7 @@ class Igg {
     // succession. After `patience` consecutive bad ones the adaptive factor, which blames the prediction,
     // takes over until an epoch that is not bad.
     int patience = 5;
-    AdaptiveFactor guard;
+    AdaptiveFactor<N> guard;
 
     [[nodiscard]] double weight(double u) const {
         if (u <= k0) {
@@ -46,7 +47,7 @@ class Igg {
         return u < k1 ? k0 / u * slope * slope : 0.0;
     }
 
-    template <int N, int M>
+    template <int M>
     Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
         const Vector<M> weights = innovation.standardised().unaryExpr([this](double u) { return weight(u); });
         const bool bad = (weights.array() < 1.0).any();

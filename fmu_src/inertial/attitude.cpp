@@ -65,4 +65,18 @@ Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
     return (2.0 * std::atan2(sine, sign * q.w()) / sine) * sign * q.vec();
 }
 
+Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& rotation_vector) {
+    const double angle2 = rotation_vector.squaredNorm();
+    // Below 1e-3 rad two terms of the series are exact to double precision, and safe at zero.
+    double first = 0.5 - angle2 / 24.0;
+    double second = 1.0 / 6.0 - angle2 / 120.0;
+    if (angle2 > 1e-6) {
+        const double angle = std::sqrt(angle2);
+        first = 2.0 * std::pow(std::sin(0.5 * angle), 2) / angle2;
+        second = (angle - std::sin(angle)) / (angle2 * angle);
+    }
+    const Eigen::Matrix3d A = skew(rotation_vector);
+    return Eigen::Matrix3d::Identity() + first * A + second * A * A;
+}
+
 }  // namespace truenorth

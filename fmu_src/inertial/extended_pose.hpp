@@ -29,8 +29,4 @@ struct ExtendedPose {
     }
 };
 
-// J of the rotation vector a: exp(a + da) = exp(J da) exp(a) to first order, and J b is what the velocity or
-// the position component b of a tangent vector becomes under the exponential map.
-Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& rotation_vector);
-
 }  // namespace truenorth

@@ -66,7 +66,7 @@ TEST(NavigationError, CorrectionJacobianIsTheDerivativeOfWhatRemains) {
     RandomValues random(3);
     for (int n = 0; n < 20; ++n) {
         const NavigationState truth = random.navigation_state();
-        const Error estimate = random_error(random, 0.02, 1.0, 10.0);
+        const Error estimate = random_error(random, 0.8, 1.0, 10.0);
         const NavigationState computed = retract(truth, estimate);
         // The true error is varied by varying the truth.
         const auto remaining = [&](const Error& error) {
@@ -78,8 +78,7 @@ TEST(NavigationError, CorrectionJacobianIsTheDerivativeOfWhatRemains) {
         const Matrix<9> difference = central_difference<9, 9>(remaining, estimate, 1e-3) -
                                      navigation_error::correction_jacobian(estimate);
         const Matrix<3> angles = difference.topLeftCorner<3, 3>();
-        // The third order, (phi x)^3 / 24 of two equal singular values, and the square of the step.
-        EXPECT_LT(angles.norm(), std::sqrt(2.0) * std::pow(0.035, 3) / 24.0 + 1e-6);
+        EXPECT_LT(angles.norm(), 1e-6);  // the square of the step
         EXPECT_LT(difference.middleRows<3>(3).norm(), 1e-10);
         EXPECT_LT(difference.bottomRows<3>().norm(), 1e-4);  // 17 m over the radius, 7e-10 m over the step
     }

@@ -19,7 +19,7 @@ double weight_of(double u) {
 }
 
 TEST(IggWeight, HasThreePiecesThatMeet) {
-    const Igg igg;
+    const Igg<kStates> igg;
     EXPECT_EQ(igg.weight(0.0), 1.0);
     EXPECT_EQ(igg.weight(2.5), 1.0);
     EXPECT_NEAR(igg.weight(2.5000001), 1.0, 1e-6);
@@ -50,7 +50,7 @@ TEST_P(IggCorrector, InflatesTheNoiseOfSuspectsAndRemovesOutliers) {
             outliers += weight(j) == 0.0 ? 1 : 0;
             suspects += weight(j) > 0.0 && weight(j) < 1.0 ? 1 : 0;
         }
-        const auto correction = Igg().correct(c.P, c.innovation());
+        const auto correction = Igg<kStates>().correct(c.P, c.innovation());
         EXPECT_TRUE(is_sound(correction));
         EXPECT_LT((correction.weight - weight).norm(), 1e-12);
         for (const int j : kept) {
@@ -76,7 +76,7 @@ TEST_P(IggCorrector, KeepsCorrelationsOfTheNoise) {
     innovation.noise = random.covariance<kChannels>(0.1, 2.0);
     innovation.residual.setZero();
     innovation.residual(1) = 4.0 * std::sqrt(innovation.spread(1, 1) + innovation.noise(1, 1));
-    const Matrix<kChannels> R = Igg().correct(c.P, innovation).noise;
+    const Matrix<kChannels> R = Igg<kStates>().correct(c.P, innovation).noise;
     const auto correlation = [](const Matrix<kChannels>& A, int i, int j) {
         return A(i, j) / std::sqrt(A(i, i) * A(j, j));
     };
@@ -93,7 +93,7 @@ Innovation<1, 1> scalar(double u) {
 }
 
 TEST(IggGuard, HandsOverAfterFiveConsecutiveBadEpochs) {
-    Igg igg;
+    Igg<1> igg;
     const Matrix<1> P(3.0);
     for (int k = 0; k < 5; ++k) {
         const auto correction = igg.correct(P, scalar(20.0));
@@ -110,7 +110,7 @@ TEST(IggGuard, HandsOverAfterFiveConsecutiveBadEpochs) {
 }
 
 TEST(IggGuard, CountsOnlyConsecutiveEpochs) {
-    Igg igg;
+    Igg<1> igg;
     const Matrix<1> P(3.0);
     for (int k = 0; k < 40; ++k) {
         EXPECT_EQ(igg.correct(P, scalar(k % 5 == 4 ? 1.0 : 20.0)).alpha, 1.0);
@@ -118,7 +118,7 @@ TEST(IggGuard, CountsOnlyConsecutiveEpochs) {
 }
 
 TEST(IggGuard, TakesADownWeightedEpochForBad) {
-    Igg igg;
+    Igg<1> igg;
     const Matrix<1> P(3.0);
     for (int k = 0; k < 5; ++k) {
         EXPECT_EQ(igg.correct(P, scalar(3.0)).alpha, 1.0);

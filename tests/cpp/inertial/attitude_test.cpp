@@ -146,6 +146,22 @@ TEST(WrapAngle, IsWithinHalfATurnAndDiffersByWholeTurns) {
     }
 }
 
+TEST(LeftJacobian, IsTheDerivativeOfTheRotation) {
+    const Eigen::Vector3d axis = Eigen::Vector3d(2.0, -3.0, 6.0) / 7.0;
+    for (const double angle : {0.0, 1e-6, 9e-4, 1.1e-3, 0.5, 3.0, 6.0, 40.0}) {
+        const Eigen::Vector3d a = angle * axis;
+        Eigen::Matrix3d expected;
+        const double h = 1e-5;
+        for (int i = 0; i < 3; ++i) {
+            const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(i);
+            expected.col(i) =
+                rotation_vector(quaternion(a + step) * quaternion(Eigen::Vector3d(a - step)).conjugate()) /
+                (2.0 * h);
+        }
+        EXPECT_LT((left_jacobian(a) - expected).norm(), 1e-9) << angle;
+    }
+}
+
 TEST(WrapAngle, TakesHalfATurnToItsNegative) {
     EXPECT_EQ(wrap_angle(kPi), -kPi);
     EXPECT_EQ(wrap_angle(-kPi), -kPi);

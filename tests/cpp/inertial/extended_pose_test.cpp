@@ -92,21 +92,5 @@ TEST(ExtendedPose, ProductAndInverseAreThoseOfMatrices) {
     EXPECT_LT((matrix(a.inverse()) * matrix(a) - Matrix5d::Identity()).norm(), 1e-14);
 }
 
-TEST(LeftJacobian, IsTheDerivativeOfTheExponential) {
-    RandomTangents random;
-    const double h = 1e-6;
-    for (const double angle : kAngles) {
-        const Vector3d a = angle * random(1.0).head<3>();
-        Matrix3d expected;
-        for (int i = 0; i < 3; ++i) {
-            const Vector3d step = h * Vector3d::Unit(i);
-            expected.col(i) =
-                rotation_vector(quaternion(a + step) * quaternion(Vector3d(a - step)).conjugate()) /
-                (2.0 * h);
-        }
-        EXPECT_LT((left_jacobian(a) - expected).norm(), 1e-9) << angle;
-    }
-}
-
 }  // namespace
 }  // namespace truenorth
