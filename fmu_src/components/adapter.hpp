@@ -12,10 +12,14 @@
 //   publish(outputs, x, sigma)  optional: outputs of the states that are no Block
 //   renewed(port, restart)   optional: calls restart(i) when measurement i comes from another source than
 //   before
+//
+// Estimator and correctors of a model are compiled in the adapter's own source file, once for every
+// component.
 #pragma once
 
 #include "components/sighting.hpp"
-#include "estimation/gaussian.hpp"
+#include "estimation/corrector.hpp"
+#include "estimation/estimator.hpp"
 
 namespace truenorth {
 

@@ -72,4 +72,7 @@ struct Adapter<EulerPlatform> {
     }
 };
 
+extern template class Estimator<EulerPlatform>;
+extern template class Corrector<EulerPlatform::kStates, EulerPlatform::kMeasurements>;
+
 }  // namespace truenorth

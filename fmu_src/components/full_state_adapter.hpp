@@ -48,4 +48,7 @@ struct Adapter<FullState> : PositionFix {
     }
 };
 
+extern template class Estimator<FullState>;
+extern template class Corrector<FullState::kStates, FullState::kMeasurements>;
+
 }  // namespace truenorth

@@ -52,4 +52,7 @@ struct Adapter<LargeAzimuth> {
     }
 };
 
+extern template class Estimator<LargeAzimuth>;
+extern template class Corrector<LargeAzimuth::kStates, LargeAzimuth::kMeasurements>;
+
 }  // namespace truenorth

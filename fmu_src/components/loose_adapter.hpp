@@ -42,4 +42,7 @@ struct Adapter<Loose> : PositionFix {
     }
 };
 
+extern template class Estimator<Loose>;
+extern template class Corrector<Loose::kStates, Loose::kMeasurements>;
+
 }  // namespace truenorth

@@ -114,4 +114,7 @@ struct Adapter<Tight> {
     int rejected_ = 0;
 };
 
+extern template class Estimator<Tight>;
+extern template class Corrector<Tight::kStates, Tight::kMeasurements>;
+
 }  // namespace truenorth

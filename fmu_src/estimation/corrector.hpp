@@ -29,33 +29,13 @@ class Corrector {
     // for ever. After `patience` of them in a row it is time to blame the prediction; 0: never.
     int patience = 20;
     HInfinity<N> h_infinity;
-    Igg igg;
-    AdaptiveFactor adaptive_factor;
+    Igg<N> igg;
+    AdaptiveFactor<N> adaptive_factor;
     VariationalBayes<M> variational_bayes;
 
     // Third phase of the filter step. What the gate does not admit changes nothing and has no weight; nor has
     // an epoch without channels, which says nothing, of the prediction neither.
-    Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
-        const bool silent = innovation.channels() == 0;
-        if (silent || !gate.admits(innovation)) {
-            refused_ = silent ? refused_ : std::min(refused_ + 1, patience);
-            return {Vector<N>::Zero(), prior, Vector<M>::Zero(), innovation.noise};
-        }
-        refused_ = 0;
-        switch (method) {
-            case Method::h_infinity:
-                return h_infinity.correct(prior, innovation);
-            case Method::igg:
-                return igg.correct(prior, innovation);
-            case Method::adaptive_factor:
-                return adaptive_factor.correct(prior, innovation);
-            case Method::variational_bayes:
-                return variational_bayes.correct(prior, innovation);
-            case Method::standard:
-                break;
-        }
-        return Standard().correct(prior, innovation);
-    }
+    Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation);
 
     // The gate has refused as many measurements in a row as it may.
     [[nodiscard]] bool out_of_patience() const { return patience > 0 && refused_ >= patience; }
@@ -75,5 +55,29 @@ class Corrector {
   private:
     int refused_ = 0;  // in a row, counted up to patience
 };
+
+// Not in the class, so that the correctors of a model can be compiled once, in a file of their own.
+template <int N, int M>
+Correction<N, M> Corrector<N, M>::correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
+    const bool silent = innovation.channels() == 0;
+    if (silent || !gate.admits(innovation)) {
+        refused_ = silent ? refused_ : std::min(refused_ + 1, patience);
+        return {Vector<N>::Zero(), prior, Vector<M>::Zero(), innovation.noise};
+    }
+    refused_ = 0;
+    switch (method) {
+        case Method::h_infinity:
+            return h_infinity.correct(prior, innovation);
+        case Method::igg:
+            return igg.correct(prior, innovation);
+        case Method::adaptive_factor:
+            return adaptive_factor.correct(prior, innovation);
+        case Method::variational_bayes:
+            return variational_bayes.correct(prior, innovation);
+        case Method::standard:
+            break;
+    }
+    return Standard().correct(prior, innovation);
+}
 
 }  // namespace truenorth

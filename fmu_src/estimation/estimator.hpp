@@ -34,48 +34,66 @@ class Estimator {
     Matrix<kStates> covariance = Matrix<kStates>::Zero();
 
     // First phase: state and covariance at the end of the interval.
-    Prediction predict(const typename M::Interval& interval) {
-        return std::visit(
-            [&](const auto& chosen) { return chosen.predict(model, state, covariance, interval); },
-            predictor);
-    }
+    Prediction predict(const typename M::Interval& interval);
 
     // Second phase.
-    [[nodiscard]] auto innovate(const typename M::Fix& fix) const {
-        return std::visit([&](const auto& chosen) { return chosen.innovate(model, state, covariance, fix); },
-                          predictor);
-    }
+    [[nodiscard]] Innovation<kStates, M::kMeasurements> innovate(const typename M::Fix& fix) const;
 
     // Third phase, once a corrector has spoken.
-    template <int Measurements>
-    void apply(const Correction<kStates, Measurements>& correction) {
+    void apply(const Correction<kStates, M::kMeasurements>& correction) {
         state = model.retract(state, correction.deviation);
         covariance = correction.covariance;
     }
 
     // The estimate has been fed back to what it is an error of; what remains of it is what the model says, or
     // zero.
-    void reset() {
-        covariance = covariance_of_remaining();
-        if constexpr (requires { model.remaining(state); }) {
-            state = model.remaining(state);
-        } else {
-            state = M::State::Zero();
-        }
-    }
+    void reset()
+        requires Resettable<M>;
 
     // Of the errors that remain when the estimate is taken out.
-    [[nodiscard]] Matrix<kStates> covariance_of_remaining() const {
-        const Matrix<kStates> G = model.reset_jacobian(state);
-        Matrix<kStates> remaining = G * covariance * G.transpose();
-        symmetrise(remaining);
-        return remaining;
-    }
+    [[nodiscard]] Matrix<kStates> covariance_of_remaining() const
+        requires Resettable<M>;
 
     template <class Archive>
     void serialize(Archive& archive) {
         archive(state, covariance);
     }
 };
+
+// Not in the class, so that a model's estimator can be compiled once, in a file of its own.
+
+template <ErrorModel M>
+Prediction Estimator<M>::predict(const typename M::Interval& interval) {
+    return std::visit([&](const auto& chosen) { return chosen.predict(model, state, covariance, interval); },
+                      predictor);
+}
+
+template <ErrorModel M>
+auto Estimator<M>::innovate(const typename M::Fix& fix) const -> Innovation<kStates, M::kMeasurements> {
+    return std::visit([&](const auto& chosen) { return chosen.innovate(model, state, covariance, fix); },
+                      predictor);
+}
+
+template <ErrorModel M>
+void Estimator<M>::reset()
+    requires Resettable<M>
+{
+    covariance = covariance_of_remaining();
+    if constexpr (requires { model.remaining(state); }) {
+        state = model.remaining(state);
+    } else {
+        state = M::State::Zero();
+    }
+}
+
+template <ErrorModel M>
+auto Estimator<M>::covariance_of_remaining() const -> Matrix<kStates>
+    requires Resettable<M>
+{
+    const Matrix<kStates> G = model.reset_jacobian(state);
+    Matrix<kStates> remaining = G * covariance * G.transpose();
+    symmetrise(remaining);
+    return remaining;
+}
 
 }  // namespace truenorth

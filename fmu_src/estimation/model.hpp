@@ -50,6 +50,16 @@ concept IntermittentMeasurement = ErrorModel<M> && requires(const M& model, cons
     { model.present(fix) } -> std::convertible_to<Eigen::Array<bool, M::kMeasurements, 1>>;
 };
 
+// A model of the errors of a navigation state that can be corrected by them offers this besides:
+//
+//   reset_jacobian(x)          of the errors that remain when x has been taken out, with respect to those
+//                              before (N x N)
+//   remaining(x)               optional, what of x is not taken out; else nothing remains
+template <class M>
+concept Resettable = ErrorModel<M> && requires(const M& model, const typename M::State& x) {
+    { model.reset_jacobian(x) } -> std::convertible_to<Matrix<M::kStates>>;
+};
+
 template <ErrorModel M>
 void remove_absent(const M& model, const typename M::Fix& fix,
                    Innovation<M::kStates, M::kMeasurements>& innovation) {

@@ -1,0 +1,8 @@
+#include "components/euler_platform_adapter.hpp"
+
+namespace truenorth {
+
+template class Estimator<EulerPlatform>;
+template class Corrector<EulerPlatform::kStates, EulerPlatform::kMeasurements>;
+
+}  // namespace truenorth

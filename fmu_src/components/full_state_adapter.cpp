@@ -1,0 +1,8 @@
+#include "components/full_state_adapter.hpp"
+
+namespace truenorth {
+
+template class Estimator<FullState>;
+template class Corrector<FullState::kStates, FullState::kMeasurements>;
+
+}  // namespace truenorth

@@ -1,0 +1,8 @@
+#include "components/large_azimuth_adapter.hpp"
+
+namespace truenorth {
+
+template class Estimator<LargeAzimuth>;
+template class Corrector<LargeAzimuth::kStates, LargeAzimuth::kMeasurements>;
+
+}  // namespace truenorth

@@ -1,0 +1,8 @@
+#include "components/tight_adapter.hpp"
+
+namespace truenorth {
+
+template class Estimator<Tight>;
+template class Corrector<Tight::kStates, Tight::kMeasurements>;
+
+}  // namespace truenorth
