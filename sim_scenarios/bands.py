@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_scenarios.ensemble import FIGURES, Ensemble, Window, ensemble, processes
+from sim_scenarios.metrics.statistics import chi_square_interval
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,12 @@ def at_rest() -> list[Band]:
     return [*headings, *tilts, Band("UKF", 0.97, 1.03, over="EKF")]
 
 
+def consistent(label: str, states: int, runs: int) -> Band:
+    """Band of the NEES at the end: its 95 % interval."""
+    lower, upper = chi_square_interval(states * runs)
+    return Band(label, lower / (states * runs), upper / (states * runs), "nees_at_end")
+
+
 NAVIGATION = ("horizontal", "vertical", "velocity", "tilt", "yaw")
 
 
@@ -128,6 +135,7 @@ CHECKS = (
             *(band for label in ("EKF", "UKF", "augmented UKF") for band in navigation(label, *CLEAN)),
             *(Band("EKF", 0.98, 1.02, figure, over="UKF") for figure in NAVIGATION),
             Band("UKF", 0.98, 1.02, "nis"),
+            consistent("UKF", states=12, runs=20),
             Band("UKF", 0, 1e-7, minus="EKF"),
         ],
         runs=20,

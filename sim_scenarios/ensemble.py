@@ -24,20 +24,21 @@ from sim_scenarios.attitude import wrap
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, did_you_mean
-from sim_scenarios.metrics.statistics import holds_since, is_measured
+from sim_scenarios.metrics.statistics import holds_since, is_measured, nees_of
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.units import ARCMIN
 
 Array = NDArray[np.float64]
 Window = tuple[float, float]
 
-HEADING, TILT_EAST, TILT_NORTH, NIS = 0, 1, 2, 9
+HEADING, TILT_EAST, TILT_NORTH, NIS, NEES = 0, 1, 2, 9, 10
 TILT, VELOCITY, HORIZONTAL_VELOCITY, POSITION, HORIZONTAL = (
     slice(first, end) for first, end in ((1, 3), (3, 6), (3, 5), (6, 9), (6, 8))
 )
 VERTICAL = 8
-COLUMNS = 10
-"""Columns of errors: heading and tilts [rad], velocity [m/s], position [m], NIS for each channel."""
+COLUMNS = 11
+"""Columns of errors: heading and tilts [rad], velocity [m/s], position [m], NIS for each channel, NEES for
+each state."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,8 @@ class Errors:
     time : ndarray, shape (times,)
         [s]
     values : ndarray, shape (runs, times, k)
-        Estimated minus true, in SI units; the NIS is that of the fix at the time, NaN where there was none.
+        Estimated minus true, in SI units; the NIS is that of the fix at the time, NaN where there was none;
+        the NEES is NaN for a filter that does not put out its covariance.
     limit : float
         Heading error within which a filter counts as settled [rad].
     """
@@ -159,6 +161,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
     "largest_velocity": Figure("largest velocity error", "m/s", 1.0, HORIZONTAL_VELOCITY, largest),
     "horizontal_at_end": Figure("horizontal at the end", "m", 1.0, HORIZONTAL, at_end),
     "nis": Figure("NIS / channels", "", 1.0, NIS, mean),
+    "nees_at_end": Figure("NEES / states at the end", "", 1.0, NEES, at_end),
 }
 """Figures by name. RMSE of an alignment is over all runs; that of navigation is the mean of the runs' own."""
 
@@ -280,6 +283,8 @@ def _columns(run: xr.Dataset) -> Array:
     inside = row < len(errors)
     nis = run["nis"].values[used] / is_measured(run)[used].sum(axis=1)
     errors[row[inside], NIS] = nis[inside]
+    if "covariance" in run:
+        errors[:, NEES] = nees_of(run)
     return errors
 
 

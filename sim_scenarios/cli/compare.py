@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Annotated, Final
+
 import typer
 
-from sim_scenarios import report, simulation
-from sim_scenarios.cli.options import AsJson, Output, Scenario, Seed, Settings, settings
+from sim_scenarios import matrix, report, simulation
+from sim_scenarios.cli.options import AsJson, Output, Seed, Settings, settings
 from sim_scenarios.cli.results import Results
 from sim_scenarios.cli.terminal import (
     print_json,
@@ -16,32 +18,85 @@ from sim_scenarios.cli.terminal import (
     refusing_bad_input,
     say_messages,
 )
-from sim_scenarios.metrics import judge
+from sim_scenarios.errors import InputError
+from sim_scenarios.scenario import toml_value
+
+Scenarios = Annotated[
+    list[str],
+    typer.Argument(
+        help="Names of shipped scenarios (`truenorth list`), or paths of TOML files.", show_default=False
+    ),
+]
+Axes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--axis",
+        metavar="NAME=VALUE,VALUE...",
+        help="Values of a filter parameter; repeat it for others. Every combination is a filter. "
+        "Without it, the filters are those that the scenario compares.",
+        show_default=False,
+    ),
+]
+EXPLANATION: Final = (
+    "One run, over the evaluation window: `truenorth campaign` tells how far it scatters. "
+    "/ EKF: over the nominal EKF on the same signals. !: the filter did not converge, or did not navigate."
+)
 
 
 def compare_filters(
-    scenario: Scenario,
+    scenarios: Scenarios,
     output: Output = None,
     seed: Seed = None,
     set_: Settings = None,
+    axis: Axes = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run the filters that a scenario names on the same signals: one table, one picture.
+    """Run filters on the same signals: one table, one picture.
 
     For example:
 
         truenorth compare swaying_ship_printed
         truenorth compare overconfident_prior --seed 3 --set robust.gamma=1.5
 
+    Of several scenarios, or with --axis, it makes a matrix: every filter in every scenario, with the ratio of
+    its error to that of the nominal EKF, which has the linearised predictor and the standard corrector and is
+    otherwise what the scenario says:
+
+        truenorth compare swaying_ship waves gnss_outliers
+        truenorth compare flight_constant_speed flight_outliers flight_accelerometer_fault
+            --axis error_model=loose,full_state --axis corrector=standard,igg,adaptive_factor
+
     Exit code 0 when every filter converged.
     """
     with refusing_bad_input():
-        results = Results(output)
-        with progress(scenario) as advance:
-            runs = simulation.compare(scenario, seed=seed, set=settings(set_), progress=advance)
-        verdicts = {str(label): judge(runs.sel(filter=label)) for label in runs["filter"].values}
-        name = f"{runs.attrs['scenario']}-seed{runs.attrs['seed']}-comparison"
-        files = results.write(runs, report.report_comparison, name)
+        if len(scenarios) > 1 or axis:
+            ok = _matrix(scenarios, axes(axis), output, seed, settings(set_), as_json)
+        else:
+            ok = _comparison(scenarios[0], output, seed, settings(set_), as_json)
+    raise typer.Exit(0 if ok else 1)
+
+
+def axes(given: list[str] | None) -> dict[str, list[object]]:
+    """Axes NAME=VALUE,VALUE...; a value is read as in a scenario file, a bare text needs no quotes."""
+    found: dict[str, list[object]] = {}
+    for axis in given or []:
+        name, _, text = (part.strip() for part in axis.partition("="))
+        values = [toml_value(value) for value in text.split(",") if value.strip()]
+        if not name or not values:
+            raise InputError(f"--axis {axis}: write NAME=VALUE,VALUE...")
+        if name in found:
+            raise InputError(f"--axis {axis}: {name} has been given before")
+        found[name] = values
+    return found
+
+
+def _comparison(scenario: str, output: Output, seed: Seed, changed: dict[str, object], as_json: bool) -> bool:
+    results = Results(output)
+    with progress(scenario) as advance:
+        runs = simulation.compare(scenario, seed=seed, set=changed, progress=advance)
+    verdicts = matrix.judged(runs)
+    name = f"{runs.attrs['scenario']}-seed{runs.attrs['seed']}-comparison"
+    files = results.write(runs, report.report_comparison, name)
     if as_json:
         about = {"scenario": runs.attrs["scenario"], "seed": runs.attrs["seed"]}
         filters = {label: verdict.to_json() for label, verdict in verdicts.items()}
@@ -51,4 +106,41 @@ def compare_filters(
         print_table(report.comparison_table(verdicts))
         print_notes(runs.attrs["notes"])
         print_pairs({**report.about_bound(runs), "Report": files["report"]})
-    raise typer.Exit(0 if all(verdict.ok for verdict in verdicts.values()) else 1)
+    return all(verdict.ok for verdict in verdicts.values())
+
+
+def _matrix(
+    scenarios: list[str],
+    chosen: dict[str, list[object]],
+    output: Output,
+    seed: Seed,
+    changed: dict[str, object],
+    as_json: bool,
+) -> bool:
+    results = Results(output)
+    folder = results.folder("matrix")
+    verdicts, files = {}, {}
+    with progress("matrix") as advance:
+        for runs in matrix.matrix(scenarios, chosen, seed=seed, settings=changed, progress=advance):
+            name = str(runs.attrs["scenario"])
+            verdicts[name] = matrix.judged(runs)
+            files[name] = Results(folder / name).write(runs, report.report_comparison, name)
+    table = matrix.Matrix(verdicts)
+    if as_json:
+        print_json(
+            {
+                name: {
+                    "filters": {
+                        label: {**verdict.to_json(), "over_nominal_ekf": table.ratio(name, label)}
+                        for label, verdict in row.items()
+                    },
+                    **files[name],
+                }
+                for name, row in verdicts.items()
+            }
+        )
+    else:
+        print_table(table.table())
+        print_notes(EXPLANATION)
+        print_pairs({f"Report, {name}": written["report"] for name, written in files.items()})
+    return all(verdict.ok for row in verdicts.values() for verdict in row.values())

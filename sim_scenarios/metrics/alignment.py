@@ -10,7 +10,7 @@ import xarray as xr
 
 from sim_scenarios.attitude import wrap
 from sim_scenarios.metrics.statistics import heading_rmse, holds_since, rms, within
-from sim_scenarios.metrics.verdict import UNFIT, Verdict, of_fixes, status_at_end, window
+from sim_scenarios.metrics.verdict import UNFIT, Rmse, Verdict, of_fixes, status_at_end, window
 from sim_scenarios.units import ARCMIN
 
 
@@ -50,6 +50,11 @@ class AlignmentVerdict(Verdict):
     def converged(self) -> bool:
         """Whether the heading converged."""
         return self.ok
+
+    @property
+    def rmse(self) -> Rmse:
+        """That of the heading."""
+        return Rmse("heading [']", self.heading_rmse / ARCMIN)
 
     def sentence(self) -> str:
         """The verdict in a sentence."""

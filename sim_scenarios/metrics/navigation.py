@@ -13,8 +13,8 @@ import numpy as np
 import xarray as xr
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.metrics.statistics import nees, rms, within
-from sim_scenarios.metrics.verdict import UNFIT, Verdict, of_fixes, status_at_end, window
+from sim_scenarios.metrics.statistics import nees_of, rms, within
+from sim_scenarios.metrics.verdict import UNFIT, Rmse, Verdict, of_fixes, status_at_end, window
 from sim_scenarios.units import ARCMIN
 
 
@@ -40,7 +40,7 @@ class NavigationVerdict(Verdict):
     horizontal_sigma : float or None
         RMS over the window of the horizontal sigma that the filter claims [m].
     nees : float or None
-        Mean over the window, for each state of attitude and velocity; of filters that put out a covariance.
+        Mean over the window, for each state of `statistics.nees_of`; of filters that put out a covariance.
     """
 
     horizontal: float
@@ -51,6 +51,11 @@ class NavigationVerdict(Verdict):
     limit: float
     horizontal_sigma: float | None
     nees: float | None
+
+    @property
+    def rmse(self) -> Rmse:
+        """That of the horizontal position."""
+        return Rmse("horizontal [m]", self.horizontal)
 
     def sentence(self) -> str:
         """The verdict in a sentence."""
@@ -125,15 +130,6 @@ def judge(run: xr.Dataset) -> NavigationVerdict:
         yaw=rms(wrap(inside("heading_error"))),
         limit=limit,
         horizontal_sigma=sigma,
-        nees=_mean_nees(attitude, inside("velocity_error"), inside("covariance"))
-        if "covariance" in run
-        else None,
+        nees=float(np.mean(within(time, nees_of(run), start, stop))) if "covariance" in run else None,
         **of_fixes(run),
     )
-
-
-def _mean_nees(attitude: Any, velocity: Any, covariance: Any) -> float:
-    """Mean NEES for each state of attitude and velocity, the first six of a filter's covariance."""
-    error = np.concatenate((attitude, velocity), axis=-1)
-    states = error.shape[-1]
-    return float(np.mean(nees(error, covariance[:, :states, :states])))

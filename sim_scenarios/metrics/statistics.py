@@ -146,6 +146,30 @@ def nees(error: Array, covariance: Array) -> Array:
     return result
 
 
+def nees_of(run: xr.Dataset) -> Array:
+    """NEES for each state over time, of one filter that puts out its covariance.
+
+    Of attitude and velocity, and of the sensor biases where the truth is known. The covariance is that of the
+    states of the error models: misalignment and velocity error of the estimate, and the part of a bias that
+    is left in the signals, which is the true bias minus the estimated one.
+
+    Returns
+    -------
+    ndarray, shape (times,)
+        Of the states whose variance is never zero; NaN if there are none.
+    """
+    biases = [name for name in ("gyro_bias", "accelerometer_bias") if f"truth.{name}" in run]
+    parts = [wrap(run["attitude_error"].values), run["velocity_error"].values]
+    parts += [run[f"truth.{name}"].values - run[name].values for name in biases]
+    error = np.concatenate(parts, axis=-1)
+    covariance = run["covariance"].values
+    variance = np.diagonal(covariance, axis1=1, axis2=2)[:, : error.shape[-1]]
+    uncertain = np.flatnonzero((variance > 0).all(axis=0))
+    if not len(uncertain):
+        return np.full(len(error), np.nan)
+    return nees(error[:, uncertain], covariance[:, uncertain[:, None], uncertain])
+
+
 def chi_square_interval(degrees_of_freedom: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
     """Interval, with equal tails, that holds a chi-square variable with a given probability."""
     tail = (1 - confidence) / 2

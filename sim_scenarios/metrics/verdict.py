@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import xarray as xr
 
@@ -13,6 +13,13 @@ from sim_scenarios.metrics.statistics import NisStatistics, is_measured, nis_sta
 
 UNFIT: Final = ("waiting", "coasting", "faulted")
 """Status of a filter whose estimate is not to be relied on, however small its error."""
+
+
+class Rmse(NamedTuple):
+    """The error that a filter is judged by, in the unit that its title has."""
+
+    title: str
+    value: float
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -40,6 +47,11 @@ class Verdict(ABC):
     def fit(self) -> bool:
         """Whether the estimate of the end is to be relied on."""
         return self.status not in UNFIT
+
+    @property
+    @abstractmethod
+    def rmse(self) -> Rmse:
+        """Over the evaluation window."""
 
     @abstractmethod
     def sentence(self) -> str:

@@ -91,6 +91,34 @@ def test_compare_json(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("fmus")
+def test_compare_makes_a_matrix_of_combinations_and_scenarios(tmp_path: Path) -> None:
+    axes = ["--axis", "predictor=linearised,unscented", "--axis", "corrector=standard,h_infinity"]
+    result = truenorth("compare", "swaying_ship", "waves", *SHORT, *axes, "--json", "-o", tmp_path)
+    content = json.loads(result.stdout)
+    assert list(content) == ["swaying_ship", "waves"]
+    for scenario in content.values():
+        filters = scenario["filters"]
+        assert list(filters) == [
+            "nominal EKF",
+            *(f"{p}, {c}" for p in ("linearised", "unscented") for c in ("standard", "h_infinity")),
+        ]
+        assert filters["linearised, standard"] == filters["nominal EKF"]
+        for one in filters.values():
+            over = one["heading_rmse_arcmin"] / filters["nominal EKF"]["heading_rmse_arcmin"]
+            assert one["over_nominal_ekf"] == pytest.approx(over)
+        assert Path(scenario["report"]).is_file()
+
+
+@pytest.mark.usefixtures("fmus")
+def test_compare_of_scenarios_has_the_filters_of_each(tmp_path: Path) -> None:
+    result = truenorth("compare", "zigzag", "gnss_outliers", *SHORT, "-o", tmp_path)
+    lines = {line.split("  ")[0]: line.split() for line in result.stdout.splitlines()}
+    assert len(lines["nominal EKF"]) == len("nominal EKF 1 1.00 1 1.00".split()) + 2  # two that failed
+    assert "UKF, no gate" in lines
+    assert lines["EKF"][1] == lines["nominal EKF"][2]
+
+
+@pytest.mark.usefixtures("fmus")
 def test_bound(tmp_path: Path) -> None:
     result = truenorth("bound", "zigzag", "--json", "-o", tmp_path)
     content = json.loads(result.stdout)
@@ -121,6 +149,10 @@ def test_list() -> None:
         (["run", "swaying_ship", "--set", "motion.latitude=95 deg"], "motion.latitude = 95 deg: must be at"),
         (["run", "swaying_ship", "--set", "evaluation.heading_limit=-1 deg"], "must be greater than 0"),
         (["compare", "swaying_ship", "--set", "duration=-3"], "duration = -3 s"),
+        (["compare", "zigzag", "--axis", "igg"], "write NAME=VALUE,VALUE"),
+        (["compare", "zigzag", "--axis", "corrector=igg", "--axis", "corrector=igg"], "given before"),
+        (["compare", "zigzag", "--axis", "corrector=standart"], "did you mean 'standard'"),
+        (["compare", "zigzag", "--axis", "error_model=loose"], "'loose' is none of"),
         (["bound", "swaying_ship", "--set", "gnss.velocity_sigma=0"], "the bound needs GNSS"),
         (["replay", "absent.csv", "--heading", "10"], "there is no recording absent.csv"),
         (["replay", "absent.csv", "--heading", "10", "--zero-velocity"], "LATITUDE,LONGITUDE,HEIGHT"),

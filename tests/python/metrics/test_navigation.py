@@ -12,6 +12,7 @@ import xarray as xr
 from sim_scenarios.attitude import skew
 from sim_scenarios.metrics import judge
 from sim_scenarios.metrics.navigation import NavigationVerdict
+from sim_scenarios.metrics.statistics import nees_of
 from sim_scenarios.report import report_comparison, report_run
 from sim_scenarios.units import ARCMIN, DEGREE
 
@@ -113,6 +114,33 @@ def test_nees_takes_correlations_into_account() -> None:
         covariance=(("time", "row12", "column12"), covariance),
     )
     assert verdict_on(mixed).nees == pytest.approx(verdict_on(run).nees)
+
+
+def test_nees_counts_biases_as_what_is_left_of_them() -> None:
+    """True minus estimated, mixed with the velocity error: the other sign would not cancel."""
+    run = consistent()
+    count = run.sizes["time"]
+    rng = np.random.default_rng(5)
+    left, velocity = rng.standard_normal((2, count, 3))
+    covariance = run["covariance"].values.copy()
+    covariance[:, 6:, 6:] = np.eye(6)
+    covariance[:, 3:6, 3:6] = (1 + 0.5**2) * np.eye(3)
+    covariance[:, 3:6, 6:9] = covariance[:, 6:9, 3:6] = 0.5 * np.eye(3)
+    true = rng.standard_normal((count, 3))
+    known = run.assign(
+        velocity_error=(("time", "axis3"), velocity + 0.5 * left),
+        covariance=(("time", "row12", "column12"), covariance),
+        **{
+            "truth.gyro_bias": (("time", "axis3"), true),
+            "gyro_bias": (("time", "axis3"), true - left),
+            "truth.accelerometer_bias": (("time", "axis3"), rng.standard_normal((count, 3))),
+            "accelerometer_bias": (("time", "axis3"), np.zeros((count, 3))),
+        },
+    )
+    assert verdict_on(known).nees == pytest.approx(1, abs=5 * np.sqrt(2 / (12 * 901)))
+    assert nees_of(known).shape == (count,)
+    certain = known.assign(covariance=0 * known["covariance"])
+    assert np.isnan(nees_of(certain)).all()
 
 
 def test_headings_wrap() -> None:

@@ -1,0 +1,119 @@
+"""Filters x models x disturbances: filters in several scenarios, each beside the nominal EKF.
+
+The nominal EKF of a scenario is its filter with the linearised predictor and the standard corrector, as the
+scenario has everything else. It runs on the same signals; the ratio of two filters scatters less than their
+errors do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Final
+
+import xarray as xr
+
+from sim_scenarios.cosimulation import Progress
+from sim_scenarios.fmus import Fmus
+from sim_scenarios.metrics import Verdict, judge
+from sim_scenarios.scenario import load_scenario
+from sim_scenarios.simulation import run_filters
+
+NOMINAL: Final = "nominal EKF"
+_NOMINAL_SETTINGS: Final[Mapping[str, object]] = {"predictor": "linearised", "corrector": "standard"}
+
+
+def combinations(axes: Mapping[str, Sequence[object]]) -> dict[str, dict[str, object]]:
+    """Filters with every combination of values: parameters by label."""
+    return {
+        ", ".join(map(str, values)): dict(zip(axes, values, strict=True))
+        for values in product(*axes.values())
+    }
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """Filters in scenarios.
+
+    Attributes
+    ----------
+    verdicts : dict
+        By scenario and label; each scenario has `NOMINAL`.
+    """
+
+    verdicts: dict[str, dict[str, Verdict]]
+
+    def labels(self) -> list[str]:
+        """Every filter, in the order in which the scenarios bring them."""
+        return list(dict.fromkeys(label for row in self.verdicts.values() for label in row))
+
+    def ratio(self, scenario: str, label: str) -> float:
+        """RMSE over that of the nominal EKF."""
+        verdicts = self.verdicts[scenario]
+        return verdicts[label].rmse.value / verdicts[NOMINAL].rmse.value
+
+    def table(self) -> list[list[str]]:
+        """Rows, the heading first: RMSE and ratio of each filter in each scenario."""
+        headings = [
+            (f"{scenario}\n{verdicts[NOMINAL].rmse.title}", "/ EKF")
+            for scenario, verdicts in self.verdicts.items()
+        ]
+        rows = [[label, *self._cells(label)] for label in self.labels()]
+        return [["Filter", *(cell for pair in headings for cell in pair)], *rows]
+
+    def _cells(self, label: str) -> Iterator[str]:
+        for scenario, verdicts in self.verdicts.items():
+            if label in verdicts:
+                yield f"{verdicts[label].rmse.value:.3g}{'' if verdicts[label].ok else ' !'}"
+                yield f"{self.ratio(scenario, label):.2f}"
+            else:
+                yield from ("", "")
+
+
+def matrix(
+    scenarios: Sequence[str | Path],
+    axes: Mapping[str, Sequence[object]],
+    *,
+    seed: int | None = None,
+    settings: Mapping[str, object] | None = None,
+    progress: Progress = lambda _: None,
+) -> Iterator[xr.Dataset]:
+    """Run filters in scenarios, with the nominal EKF first in each.
+
+    Parameters
+    ----------
+    scenarios : sequence of str or Path
+        As for `sim_scenarios.run`.
+    axes : mapping
+        Values of filter parameters, every combination of which is a filter; without any, the filters are
+        those that each scenario compares.
+    seed, settings, progress
+        As for `sim_scenarios.compare`.
+
+    Yields
+    ------
+    xarray.Dataset
+        Of each scenario, as of `sim_scenarios.compare`.
+    """
+    fmus = Fmus()
+    chosen = {NOMINAL: _NOMINAL_SETTINGS}
+    if axes:
+        chosen |= combinations(axes)
+    for done, scenario in enumerate(scenarios):
+        loaded = load_scenario(scenario, fmus, seed=seed, settings=settings, compare=chosen)
+        if not axes:
+            own = load_scenario(scenario, fmus, seed=seed, settings=settings).compare
+            loaded = loaded.model_copy(update={"compare": {**loaded.compare, **own}})
+        yield run_filters(loaded, fmus, loaded.filters(), progress=part(progress, done, len(scenarios)))
+
+
+def part(progress: Progress, done: int, parts: int) -> Progress:
+    """Progress of one of several equal parts, after those that are done."""
+    return lambda share: progress((done + share) / parts)
+
+
+def judged(runs: xr.Dataset) -> dict[str, Verdict]:
+    """Verdict on each filter of a scenario."""
+    return {str(label): judge(runs.sel(filter=label)) for label in runs["filter"].values}

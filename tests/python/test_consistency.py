@@ -1,0 +1,34 @@
+"""A filter whose model is the plant's tells how wrong it is: NEES of the loosely coupled filter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
+import pytest
+
+from sim_scenarios.ensemble import NEES, ensemble, processes
+from sim_scenarios.fmus import Fmus
+from sim_scenarios.metrics.statistics import chi_square_interval
+
+RUNS, STATES = 12, 12
+INSTANTS = (60, 150)  # [s], before and in a turn
+SOONER = {"duration": 150.0, "evaluation.stop": 150.0, "motion.segment.duration[1]": 100.0}
+
+
+@pytest.fixture(scope="module")
+def pool(fmus: Fmus) -> Iterator[ProcessPoolExecutor]:  # noqa: ARG001  (there must be FMUs)
+    with processes() as found:
+        yield found
+
+
+@pytest.mark.parametrize("first", [1, 1001])
+def test_nees_of_the_loose_filter(pool: ProcessPoolExecutor, first: int) -> None:
+    """In its 99.9 % interval at each of two instants: one such test in 500 fails by chance."""
+    runs = ensemble(pool, "flight_constant_speed", range(first, first + RUNS), ["EKF"], SOONER)
+    errors = runs.filters["EKF"]
+    rows = np.searchsorted(errors.time, INSTANTS)
+    lower, upper = chi_square_interval(RUNS * STATES, confidence=0.999)
+    total = STATES * np.sum(errors.values[:, rows, NEES], axis=0)
+    assert ((lower < total) & (total < upper)).all(), total
