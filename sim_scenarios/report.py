@@ -6,19 +6,18 @@ readable on a telephone. A picture of something that a run does not have is left
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from sim_scenarios.html import render
 from sim_scenarios.metrics import Verdict, is_navigation, judge
 from sim_scenarios.metrics.alignment import bound_in_words
 from sim_scenarios.metrics.verdict import UNFIT, status_at_end
@@ -280,18 +279,11 @@ def _write(data: xr.Dataset, drawings: Sequence[Drawing], page: Page, folder: Pa
 
 
 def _html(data: xr.Dataset, page: Page, pictures: list[dict[str, Any]]) -> str:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("sim_scenarios", "templates"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["base64"] = lambda raw: base64.b64encode(raw).decode("ascii")
     facts: dict[str, Any] = {
         key: json.loads(data.attrs.get(key, "{}")) for key in ("settings", "filters", "versions")
     }
-    return environment.get_template("report.html").render(
+    return render(
+        "report.html",
         page=page,
         pictures=pictures,
         description=data.attrs["description"],

@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-import jinja2
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -23,6 +22,7 @@ from plotly.offline import get_plotlyjs
 from sim_scenarios.campaigns import pictures, store, table
 from sim_scenarios.campaigns.quantities import ERRORS
 from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
+from sim_scenarios.html import render
 
 Array = NDArray[np.float64]
 
@@ -43,15 +43,8 @@ def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[
 
 def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
     about = json.loads(data.attrs["cases"])
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("sim_scenarios", "templates"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["from_json"] = json.loads
-    return environment.get_template("campaign.html").render(
+    return render(
+        "campaign.html",
         title=data.attrs["campaign"],
         description=data.attrs["description"],
         runs=data.attrs["runs"],

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import jinja2
-
+from sim_scenarios.html import render
 from sim_scenarios.papers import Paper
 from sim_scenarios.papers.reproduction import Reproduced, Result
 from sim_scenarios.plots.ensemble import over_time
@@ -42,15 +40,7 @@ def section(result: Result, folder: Path) -> Section:
 
 def write(paper: Paper, sections: Sequence[Section], runs: int, seed: int, folder: Path) -> Path:
     """Write the page; its path."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("sim_scenarios", "templates"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["base64"] = lambda raw: base64.b64encode(raw).decode("ascii")
     path = folder / "report.html"
-    page = environment.get_template("paper.html").render(paper=paper, sections=sections, runs=runs, seed=seed)
+    page = render("paper.html", paper=paper, sections=sections, runs=runs, seed=seed)
     path.write_text(page, encoding="utf-8")
     return path
