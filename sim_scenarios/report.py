@@ -208,8 +208,10 @@ def about_bound(data: xr.Dataset) -> dict[str, str]:
     if "bound.heading_rms" not in data.attrs:
         return about
     steady = data.attrs["bound.steady_course_limit"] / ARCMIN
+    without = data.attrs.get("bound.heading_rms_steady")
     return {
         "Cramer-Rao bound": bound_in_words(data.attrs["bound.heading_rms"]),
+        **({} if without is None else {"Without the manoeuvres": bound_in_words(without)}),
         "Steady-course limit": f"{steady:.2f} arcmin, eps_E / (w_ie cos L)",
         "Bound measures": f"GNSS {data.attrs['bound.measured']}",
         **about,
@@ -227,6 +229,8 @@ def bound_table(data: xr.Dataset) -> list[list[str]]:
     """Sigma of the heading, and of the position where it is measured, at round times, the heading first."""
     time = data["bound_time"].values
     columns = {"heading [']": data["bound.heading_sigma"].values / ARCMIN}
+    if "bound.heading_sigma_steady" in data:
+        columns["heading without manoeuvres [']"] = data["bound.heading_sigma_steady"].values / ARCMIN
     if "bound.position_sigma" in data:
         sigma = data["bound.position_sigma"].values
         columns |= {"horizontal [m]": np.hypot(sigma[:, 0], sigma[:, 1]), "vertical [m]": sigma[:, 2]}

@@ -56,6 +56,13 @@ NOT_IN_THE_BOUND = (
     "gnss.satellite_limit.",
 )
 """Beginnings of the names of plant parameters that are no part of the Cramer-Rao bound."""
+MANOEUVRES = (
+    "motion.turn.angle",
+    "motion.segment.turn_angle",
+    "motion.segment.climb_angle",
+    "motion.segment.acceleration",
+)
+"""Beginnings of the names of plant parameters that make the vehicle leave its steady course."""
 DRAWS = 1
 """Random stream of the initial errors, apart from those of the plant."""
 
@@ -134,7 +141,26 @@ def bound(
 
 
 def bound_of(scenario: Scenario, fmus: Fmus) -> xr.Dataset:
-    """Posterior Cramer-Rao bound along the true trajectory of a loaded scenario."""
+    """Posterior Cramer-Rao bound along the true trajectory of a loaded scenario.
+
+    Beside it, where the vehicle manoeuvres, that of the same motion without: what the manoeuvres are worth.
+    """
+    trajectory = _true_trajectory(scenario, fmus)
+    time = ("time", trajectory.time, {"units": "s"})
+    data = xr.Dataset(coords={"time": time}, attrs=attributes(scenario, fmus))
+    data = _with_bound(data, trajectory, scenario, fmus)
+    manoeuvres = [name for name, value in scenario.plant.items() if name.startswith(MANOEUVRES) and value]
+    if manoeuvres:
+        steady = scenario.model_copy(update={"plant": {**scenario.plant, **dict.fromkeys(manoeuvres, 0.0)}})
+        without = _with_bound(xr.Dataset(), _true_trajectory(steady, fmus), steady, fmus)
+        data["bound.heading_sigma_steady"] = without["bound.heading_sigma"]
+        data["bound.heading_sigma_steady"].attrs["description"] += " without the manoeuvres"
+        data.attrs["bound.heading_rms_steady"] = without.attrs["bound.heading_rms"]
+    return data
+
+
+def _true_trajectory(scenario: Scenario, fmus: Fmus) -> Trajectory:
+    """Motion of the plant at the recording period; no filter runs."""
     times = _times(scenario.duration, scenario.recording_period)
     with ExitStack() as stack:
         plant = start_plant(scenario, fmus, stack)
@@ -144,9 +170,7 @@ def bound_of(scenario: Scenario, fmus: Fmus) -> xr.Dataset:
         for time, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
             source.advance(time, end - time)
             table.append()
-        columns = table.columns()
-    data = xr.Dataset(coords={"time": ("time", times, {"units": "s"})}, attrs=attributes(scenario, fmus))
-    return _with_bound(data, _trajectory(times, columns), scenario, fmus)
+        return _trajectory(times, table.columns())
 
 
 def run_filters(

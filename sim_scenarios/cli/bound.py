@@ -19,7 +19,8 @@ def show_bound(
     """Show how well any filter could know the heading in a scenario.
 
     The posterior Cramer-Rao bound along the true trajectory; no filter runs. It is a root mean square over
-    many runs: a single run may lie below.
+    many runs: a single run may lie below. Where the vehicle manoeuvres, the bound of the same motion without
+    stands beside it: what the manoeuvres are worth.
 
     For example:
 
@@ -31,10 +32,12 @@ def show_bound(
         data = simulation.bound(scenario, seed=seed, set=settings(set_))
         files = results.write(data, report.report_bound, f"{data.attrs['scenario']}-bound")
     if as_json:
+        steady = data.attrs.get("bound.heading_rms_steady")
         print_json(
             {
                 "scenario": data.attrs["scenario"],
                 "bound_arcmin": data.attrs["bound.heading_rms"] / ARCMIN,
+                "bound_without_manoeuvres_arcmin": None if steady is None else steady / ARCMIN,
                 "steady_course_limit_arcmin": data.attrs["bound.steady_course_limit"] / ARCMIN,
                 "leaves_out": [name for name in data.attrs["bound.leaves_out"].split(", ") if name],
                 "time_s": data["bound_time"].values.tolist(),

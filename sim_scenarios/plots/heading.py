@@ -7,10 +7,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sim_scenarios.plots.style import BAND, BLUE, INK, ORANGE, figure, limit, lines, shade_window
+from sim_scenarios.plots.style import BAND, BLUE, GREEN, INK, ORANGE, figure, limit, lines, shade_window
 from sim_scenarios.units import ARCMIN, DEGREE
 
 BOUND = "bound.heading_sigma"
+STEADY_BOUND = "bound.heading_sigma_steady"
 
 
 def heading_error(run: xr.Dataset) -> Figure:
@@ -96,6 +97,9 @@ def bound(data: xr.Dataset) -> Figure:
         axes.plot(
             data["bound_time"], data[BOUND] / ARCMIN, color=ORANGE, lw=1.6, label="sigma of the heading"
         )
+        if STEADY_BOUND in data:
+            sigma = data[STEADY_BOUND] / ARCMIN
+            axes.plot(data["bound_time"], sigma, color=GREEN, lw=1.2, label="without the manoeuvres")
         axes.plot(window, (rms, rms), ":", color=INK, lw=1.2, label=f"RMS over the window: {rms:.2f} arcmin")
         axes.axhline(
             steady, color=BLUE, ls="--", lw=1.0, label=f"limit of a steady course: {steady:.2f} arcmin"

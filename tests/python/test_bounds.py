@@ -10,6 +10,7 @@ from scipy.linalg import block_diag
 from sim_scenarios.attitude import misalignment, wrap
 from sim_scenarios.bounds import POSITION, Knowledge, Trajectory, _observation, cramer_rao
 from sim_scenarios.errors import InputError
+from sim_scenarios.fmus import Fmus
 from sim_scenarios.simulation import bound
 from sim_scenarios.units import ARCMIN, DEGREE
 
@@ -52,6 +53,18 @@ def test_plant_and_closed_form_agree(scenario: str, fmus) -> None:
     closed_form = cramer_rao(trajectories.ship(TIME, **MOTIONS[motion]), Knowledge())
     plant = bound(scenario, fmus=fmus).attrs["bound.heading_rms"]
     assert plant == pytest.approx(closed_form.heading_rms(*WINDOW), rel=0.005)
+
+
+def test_the_bound_shows_what_manoeuvres_are_worth(fmus: Fmus) -> None:
+    """Without its turns a zigzag is the ship on a steady course."""
+    zigzag, steady = bound("zigzag", fmus=fmus), bound("swaying_ship", fmus=fmus)
+    without = zigzag.attrs["bound.heading_rms_steady"]
+    assert without == pytest.approx(steady.attrs["bound.heading_rms"], rel=1e-9)
+    assert zigzag.attrs["bound.heading_rms"] < 0.5 * without
+    begin = int(np.searchsorted(zigzag["bound_time"].values, 50.0))  # of the first turn
+    with_and_without = zigzag[["bound.heading_sigma", "bound.heading_sigma_steady"]].to_array().values
+    np.testing.assert_allclose(*with_and_without[:, :begin], rtol=1e-9)
+    assert "bound.heading_rms_steady" not in steady.attrs
 
 
 def test_the_bound_of_a_scenario_knows_its_lever_arm_and_says_what_it_leaves_out(fmus) -> None:

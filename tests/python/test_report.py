@@ -103,7 +103,7 @@ def test_bound(fmus: Fmus, tmp_path: Path) -> None:
     page = report_bound(data, tmp_path)
     assert "No filter knows the heading better than 5." in page.read_text(encoding="utf-8")
     table = bound_table(data)
-    assert table[1] == ["0", "600.00"]
+    assert table[1] == ["0", "600.00", "600.00"]  # with the turn and without
     assert table[-1][0] == "600"
 
 
