@@ -11,13 +11,14 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import re
 import sys
 import uuid
 from dataclasses import dataclass
 from pathlib import Path
 
 import jinja2
-from declaration import Declaration, DeclarationError
+from declaration import Declaration, DeclarationError, Variable
 from fmi2 import Fmi2
 from fmi3 import Fmi3
 from markupsafe import Markup
@@ -85,8 +86,13 @@ def description(declaration: Declaration, product: Product, sources: list[Path])
         "index.html",
         declaration,
         product=product,
-        icon=Markup((HERE / "documentation" / f"{declaration.name}.svg").read_text(encoding="utf-8")),
-        theory=Markup((HERE / "documentation" / f"{declaration.name}.html").read_text(encoding="utf-8")),
+        ports={
+            "inputs": port_names(declaration.of("input")),
+            "outputs": port_names(declaration.of("output")),
+        },
+        icon=written(f"{declaration.name}.svg"),
+        theory=written(f"{declaration.name}.html"),
+        run=written(f"{declaration.name}.run.html"),
     )
     guid = content_hash([*interfaces("").values(), page, *code(declaration).values()], sources)
     return {
@@ -94,6 +100,19 @@ def description(declaration: Declaration, product: Product, sources: list[Path])
         "documentation/index.html": page,
         "guid.cpp": render("guid.cpp", declaration, guid=guid),
     }
+
+
+def written(name: str) -> Markup:
+    """A part of the documentation page that is not generated."""
+    return Markup((HERE / "documentation" / name).read_text(encoding="utf-8"))
+
+
+def port_names(variables: list[Variable]) -> list[str]:
+    """What the block picture shows: names, those that begin with the same word as one."""
+    words: dict[str, list[str]] = {}
+    for variable in variables:
+        words.setdefault(re.split(r"[._]", variable.name)[0], []).append(variable.name)
+    return [names[0] if len(names) == 1 else f"{word}*" for word, names in words.items()]
 
 
 def ports(declaration: Declaration, *, arrays: bool) -> str:

@@ -108,7 +108,17 @@ def test_the_page_names_every_variable_and_loads_nothing(fmu: Fmu) -> None:
     assert 'name="viewport"' in page
 
 
-@pytest.mark.parametrize("tag", ["td", "tr", "table", "p", "ul", "li", "div", "h2", "sub", "sup", "code"])
+def test_the_page_shows_the_ports_and_a_run(fmu: Fmu) -> None:
+    page = (fmu.folder / "documentation/index.html").read_text()
+    block, run = re.findall(r"<svg [^>]*aria-label.*?</svg>", page.partition("</header>")[2], re.DOTALL)
+    for name in {re.split(r"[._\[]", v.name)[0] for v in (*fmu.of("input"), *fmu.of("output"))}:
+        assert f">{name}" in block
+    assert len(re.findall(r"[\d.]+,[\d.]+", run)) > 200
+
+
+@pytest.mark.parametrize(
+    "tag", ["figure", "td", "tr", "table", "p", "ul", "li", "div", "h2", "sub", "sup", "code"]
+)
 def test_the_page_closes_its_tags(fmu: Fmu, tag: str) -> None:
     page = (fmu.folder / "documentation/index.html").read_text()
     assert len(re.findall(rf"<{tag}[\s>]", page)) == page.count(f"</{tag}>")
