@@ -1,6 +1,6 @@
 # TrueNorth: every command of the project. `make help` lists them.
 .DEFAULT_GOAL := help
-.PHONY: help run test fmus native bench bands lint format test-cpp test-python clean
+.PHONY: help run test fmus fmus-all native bench bands lint format test-cpp test-python clean
 
 PYTHON ?= python3
 VENV   := .venv
@@ -8,6 +8,9 @@ BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 JOBS   ?= 2
 SEEDS  ?= 50
+
+PLATFORMS ?= linux64 linux-aarch64 win64
+ZIG       := ziglang==0.17.1
 
 # Tools of the environment first (cmake, ninja, clang-tidy), whatever the machine has besides.
 export PATH := $(CURDIR)/$(BIN):$(PATH)
@@ -38,6 +41,17 @@ fmus: $(READY)  ## Build the FMUs into build/fmus
 	@cmake --preset native -DPython_EXECUTABLE=$(CURDIR)/$(BIN)/python > build/configure.log 2>&1 \
 	    || { cat build/configure.log; exit 1; }
 	@cmake --build --preset native --target fmus --parallel $(JOBS)
+
+fmus-all: $(READY)  ## Build the FMUs for Linux (x86-64, aarch64) and Windows, all in one, into build/fmus-all (long)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(ZIG)
+	@mkdir -p build
+	@for platform in $(PLATFORMS); do echo "== Building the FMUs for $$platform"; \
+	    { cmake --preset $$platform -DPython_EXECUTABLE=$(CURDIR)/$(BIN)/python > build/configure.log 2>&1 \
+	        || { cat build/configure.log; false; }; } \
+	    && cmake --build --preset $$platform --parallel $(JOBS) || exit 1; done
+	@cd build/platforms/$(firstword $(PLATFORMS))/fmus && for fmu in *.fmu fmi3/*.fmu; do \
+	    PYTHONPATH=$(CURDIR) python -B $(CURDIR)/modelDescription/package.py join $(CURDIR)/build/fmus-all/$$fmu \
+	        $(PLATFORMS:%=$(CURDIR)/build/platforms/%/fmus/$$fmu) || exit 1; done
 
 native: fmus  ## Build everything: FMUs, C++ tests and benchmark
 	@cmake --build --preset native --parallel $(JOBS)
