@@ -12,8 +12,8 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -63,11 +63,18 @@ class Band:
 
 @dataclass(frozen=True)
 class Check:
-    """A scenario, the bands of its filters, and how many runs they are meant for."""
+    """A scenario with settings, the bands of its filters, and how many runs they are meant for."""
 
     scenario: str
     bands: Sequence[Band]
     runs: int = 50
+    settings: Mapping[str, object] = field(default_factory=dict)
+    case: str = ""
+
+    @property
+    def title(self) -> str:
+        """The scenario, and what the settings make of it."""
+        return f"{self.scenario}, {self.case}" if self.case else self.scenario
 
     @property
     def labels(self) -> list[str]:
@@ -88,6 +95,24 @@ def consistent(label: str, states: int, runs: int) -> Band:
     """Band of the NEES at the end: its 95 % interval."""
     lower, upper = chi_square_interval(states * runs)
     return Band(label, lower / (states * runs), upper / (states * runs), "nees_at_end")
+
+
+def from_far(*labels: str) -> list[Band]:
+    """Bands of filters that start with a heading that is far off."""
+    return [
+        band
+        for label in labels
+        for band in (
+            Band(label, 11, 19),
+            Band(label, -0.5, 0.5, "failures"),
+            Band(label, 200, 260, "median_settling"),
+        )
+    ]
+
+
+def wrong_by(angle: float) -> dict[str, object]:
+    """Settings of a heading error at the start [deg]."""
+    return {"initial_error.misalignment": ["0.5 deg", "0.5 deg", f"{angle:g} deg"]}
 
 
 NAVIGATION = ("horizontal", "vertical", "velocity", "tilt", "yaw")
@@ -111,12 +136,22 @@ CHECKS = (
     Check(
         "swaying_ship",
         [
-            *(Band(label, 11, 19) for label in ("EKF", "UKF", "robust UKF")),
+            *(Band(label, 11, 19) for label in ("EKF", "UKF", "robust UKF", "invariant")),
             Band("robust UKF, L = I (printed)", 0.97, 1.03, over="UKF"),
         ],
     ),
-    Check("zigzag", [Band(label, 4, 7.5) for label in ("EKF", "UKF")]),
-    Check("turn", [Band("UKF", 4.5, 8)]),
+    Check("zigzag", [Band(label, 4, 7.5) for label in ("EKF", "UKF", "invariant")]),
+    Check("turn", [Band("UKF", 4.5, 8), Band("invariant", 4.2, 7.5)]),
+    *(
+        Check(
+            "any_heading",
+            from_far("invariant", "invariant, no coarse stage"),
+            settings=wrong_by(angle),
+            case=f"{angle} deg",
+        )
+        for angle in (60, 90, 150)
+    ),
+    Check("coloured_noise", [Band("invariant", 18, 27), Band("invariant, Gauss-Markov states", 12, 18)]),
     Check(
         "overconfident_prior",
         [
@@ -199,7 +234,7 @@ class Row:
         band = self.band
         limits = f"{band.low:.4g} to {band.high:.4g}" if np.isfinite(band.high) else f"above {band.low:g}"
         cells = (
-            self.check.scenario,
+            self.check.title,
             band.what,
             band.title,
             f"{self.value:.4g}",
@@ -238,7 +273,7 @@ def main() -> int:
         "--only",
         nargs="+",
         metavar="SCENARIO",
-        choices=[check.scenario for check in CHECKS],
+        choices=list(dict.fromkeys(check.scenario for check in CHECKS)),
         help="scenarios to check (default: all)",
     )
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="processes")
@@ -249,7 +284,7 @@ def main() -> int:
     with processes(arguments.workers) as pool:
         for check in checks:
             count = arguments.n or check.runs
-            runs = ensemble(pool, check.scenario, range(1, count + 1), check.labels)
+            runs = ensemble(pool, check.scenario, range(1, count + 1), check.labels, check.settings)
             for row in rows(check, runs, count):
                 print(row.markdown(), flush=True)
                 kept &= row.ok

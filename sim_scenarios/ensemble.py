@@ -105,6 +105,16 @@ def settling(errors: Errors) -> float:
     return float("inf") if since is None else since
 
 
+def median_settling(errors: Errors) -> float:
+    """Median over runs of the time from which each stays within the limit."""
+    return float(np.median([settling(run) for run in errors.runs()]))
+
+
+def failures(errors: Errors) -> float:
+    """How many runs have a root mean square over time of more than twice the limit."""
+    return float(sum(rmse(run) > 2 * errors.limit for run in errors.runs()))
+
+
 def rms_over_runs(errors: Errors) -> Array:
     """Root mean square over runs at each time, shape (times,)."""
     over_time: Array = np.sqrt(np.mean(np.sum(errors.values**2, axis=2), axis=0))
@@ -153,6 +163,8 @@ FIGURES: Final[Mapping[str, Figure]] = {
     "tilt_east": Figure("tilt RMSE about east", "'", ARCMIN, TILT_EAST, rmse),
     "tilt_north": Figure("tilt RMSE about north", "'", ARCMIN, TILT_NORTH, rmse),
     "settling": Figure("heading settled", "s", 1.0, HEADING, settling, whole=True),
+    "median_settling": Figure("median time to settle", "s", 1.0, HEADING, median_settling, whole=True),
+    "failures": Figure("failed runs", "", 1.0, HEADING, failures),
     "horizontal": Figure("horizontal", "m", 1.0, HORIZONTAL, mean_rmse),
     "vertical": Figure("vertical", "m", 1.0, VERTICAL, mean_rmse),
     "velocity": Figure("velocity", "m/s", 1.0, VELOCITY, mean_rmse),

@@ -18,7 +18,7 @@ from sim_scenarios.bounds import POSITION, Knowledge, Trajectory, cramer_rao
 from sim_scenarios.cosimulation import FmuSource, Order, Progress, Recorded, Sink, Table, connected, simulate
 from sim_scenarios.earth import radii
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import Fmu, Fmus, Number
+from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number
 from sim_scenarios.instance import Instance, Message, Port
 from sim_scenarios.scenario import Scenario, load_scenario
 
@@ -295,7 +295,7 @@ def knowledge(scenario: Scenario, plant: Fmu, filter_fmu: Fmu) -> Knowledge:
     def vector(name: str) -> tuple[float, float, float]:
         return value(f"{name}[1]"), value(f"{name}[2]"), value(f"{name}[3]")
 
-    measures_position = filter_fmu.has_parameter("measurement.position_sigma")
+    measures_position = _measures_position(scenario, filter_fmu)
     return Knowledge(
         **scenario.bound.model_dump(),
         angle_random_walk=value("imu.gyro.white_noise"),
@@ -305,6 +305,13 @@ def knowledge(scenario: Scenario, plant: Fmu, filter_fmu: Fmu) -> Knowledge:
         gnss_rate=value("gnss.rate"),
         lever_arm=vector("gnss.lever_arm"),
     )
+
+
+def _measures_position(scenario: Scenario, filter_fmu: Fmu) -> bool:
+    """Whether the error model does: any of NavigationFilter, of AlignmentFilter the invariant one."""
+    models = filter_fmu.variables["error_model"].items
+    chosen = scenario.filter.get("error_model", filter_fmu.start("error_model"))
+    return filter_fmu.name != ALIGNMENT_FILTER or chosen == models["invariant"]
 
 
 def left_out_of_the_bound(scenario: Scenario, plant: Fmu) -> list[str]:

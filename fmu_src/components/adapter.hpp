@@ -8,7 +8,7 @@
 //   configure(model, p)      form and noise of the model
 //   set_prior(sigma, p)      optional: prior sigmas of the states that are no Block
 //   fix_of(sighting, port)   the model's Fix; `port` is the filter's input `gnss`
-//   slot(i)                  optional: the element of the output `innovation` that is measurement i
+//   slot(i, output)          optional: the element of an output such as `innovation` that is measurement i
 //   publish(outputs, x, sigma)  optional: outputs of the states that are no Block
 //   renewed(port, restart)   optional: calls restart(i) when measurement i comes from another source than
 //   before

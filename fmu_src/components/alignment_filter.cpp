@@ -6,7 +6,7 @@
 namespace truenorth {
 
 template class InertialFilter<alignment_filter::Interface, NavigationEngine<LargeAzimuth>,
-                              NavigationEngine<EulerPlatform>>;
+                              NavigationEngine<EulerPlatform>, InvariantEngine<false>, InvariantEngine<true>>;
 
 void AlignmentFilter::initialise(double start_time) {
     prepare(start_time);

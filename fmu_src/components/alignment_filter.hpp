@@ -4,14 +4,17 @@
 #include "AlignmentFilter/variables.hpp"
 #include "components/euler_platform_adapter.hpp"
 #include "components/inertial_filter.hpp"
+#include "components/invariant_engine.hpp"
 #include "components/large_azimuth_adapter.hpp"
 
 namespace truenorth {
 
-using AlignmentFilterBase = InertialFilter<alignment_filter::Interface, NavigationEngine<LargeAzimuth>,
-                                           NavigationEngine<EulerPlatform>>;
+using AlignmentFilterBase =
+    InertialFilter<alignment_filter::Interface, NavigationEngine<LargeAzimuth>,
+                   NavigationEngine<EulerPlatform>, InvariantEngine<false>, InvariantEngine<true>>;
 extern template class InertialFilter<alignment_filter::Interface, NavigationEngine<LargeAzimuth>,
-                                     NavigationEngine<EulerPlatform>>;
+                                     NavigationEngine<EulerPlatform>, InvariantEngine<false>,
+                                     InvariantEngine<true>>;
 
 class AlignmentFilter : public AlignmentFilterBase {
   public:

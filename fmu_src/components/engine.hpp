@@ -1,5 +1,6 @@
-// An error model at work: what the two kinds of it share. NavigationEngine estimates the errors of a
-// mechanisation that runs beside it, StateEngine the navigation state itself.
+// An error model at work: what the kinds of it share. NavigationEngine estimates the errors of a
+// mechanisation that runs beside it, StateEngine the navigation state itself, InvariantEngine that on its
+// group.
 #pragma once
 
 #include <cmath>
@@ -72,6 +73,12 @@ class Engine {
     }
 
     [[nodiscard]] const Mechanisation& mechanisation() const { return mechanisation_; }
+
+    // Of the misalignment that is estimated [rad].
+    [[nodiscard]] Eigen::Vector3d misalignment_sigma() const {
+        const Vector<kStates> sigma = estimator.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+        return components(sigma, Where::attitude);
+    }
 
     template <class Archive>
     void serialize(Archive& archive) {

@@ -24,9 +24,8 @@ void publish_estimate(Outputs& outputs, const Engine& engine, double time, const
 
     const auto& covariance = engine.covariance();  // by value or by reference, as the engine has it
     const Vector<Engine::kStates> sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-    const Vector<Engine::kStates> found = engine.estimator.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     outputs.misalignment = engine.misalignment();
-    outputs.misalignment_sigma = components(found, Where::attitude);
+    outputs.misalignment_sigma = engine.misalignment_sigma();
     outputs.heading_sigma = sigma(Where::attitude.first + 2);
     outputs.velocity_sigma = components(sigma, Where::velocity);
     outputs.gyro_bias = engine.gyro_bias();
@@ -48,8 +47,8 @@ template <class Where, int M, class Output>
 void spread_out(Output& output, const Vector<M>& measurements) {
     output.setZero();
     for (int i = 0; i < M; ++i) {
-        if constexpr (requires { Where::slot(i); }) {
-            output(Where::slot(i)) = measurements(i);
+        if constexpr (requires { Where::slot(i, output); }) {
+            output(Where::slot(i, output)) = measurements(i);
         } else {
             output(i) = measurements(i);
         }

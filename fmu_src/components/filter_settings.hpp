@@ -163,8 +163,11 @@ void configure(Engine& engine, const Parameters& p) {
     if constexpr (requires { model.discretisation; }) {
         model.discretisation = discretisation_of(p);
     }
-    if constexpr (requires { p.feedback; }) {
+    if constexpr (requires { engine.feedback = p.feedback; }) {
         engine.feedback = p.feedback;
+    }
+    if constexpr (requires { engine.coarse_heading_sigma = p.coarse.heading_sigma; }) {
+        engine.coarse_heading_sigma = p.coarse.enabled ? p.coarse.heading_sigma : 0.0;
     }
     engine.estimator.predictor = predictor_of(p);
     engine.prior_sigma = prior_sigma_of<Engine>(p);

@@ -14,10 +14,11 @@ void FilterStatus::use_fix(double time) {
     used_ = true;
 }
 
-FilterStatus::State FilterStatus::judge(double now, bool sensing, double heading_sigma, const Rules& rules) {
+FilterStatus::State FilterStatus::judge(double now, bool sensing, bool coarse, double heading_sigma,
+                                        const Rules& rules) {
     const bool waits = !sensing || !used_;
     const bool coasts = since_fix(now) > rules.coasting_delay;
-    if (faulted_ || waits || coasts || heading_sigma >= rules.heading_sigma) {
+    if (faulted_ || waits || coasts || coarse || heading_sigma >= rules.heading_sigma) {
         below_since_ = std::numeric_limits<double>::quiet_NaN();
     } else if (std::isnan(below_since_)) {
         below_since_ = now;
@@ -30,6 +31,9 @@ FilterStatus::State FilterStatus::judge(double now, bool sensing, double heading
     }
     if (coasts) {
         return State::coasting;
+    }
+    if (coarse) {
+        return State::coarse;
     }
     return now - below_since_ >= rules.hold_time ? State::converged : State::aligning;
 }

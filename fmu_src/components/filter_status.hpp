@@ -1,4 +1,4 @@
-// What an inertial filter is doing: waiting, aligning, converged, coasting or faulted.
+// What an inertial filter is doing: waiting, aligning, coarsely or not, converged, coasting or faulted.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace truenorth {
 class FilterStatus {
   public:
     // Numbered as the items of the enumeration Status of the interface.
-    enum class State : std::uint8_t { waiting = 1, aligning, converged, coasting, faulted };
+    enum class State : std::uint8_t { waiting = 1, aligning, converged, coasting, faulted, coarse };
 
     struct Rules {
         double heading_sigma;   // below it the heading may count as converged [rad]
@@ -29,8 +29,9 @@ class FilterStatus {
     // Since the last fix used, or the start [s].
     [[nodiscard]] double since_fix(double now) const { return now - last_use_; }
 
-    // `sensing`: an IMU sample has been accepted. Call after every step.
-    State judge(double now, bool sensing, double heading_sigma, const Rules& rules);
+    // `sensing`: an IMU sample has been accepted; `coarse`: the attitude is not the filter's yet. Call after
+    // every step.
+    State judge(double now, bool sensing, bool coarse, double heading_sigma, const Rules& rules);
 
     template <class Archive>
     void serialize(Archive& archive) {

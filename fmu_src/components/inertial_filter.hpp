@@ -5,6 +5,8 @@
 // predicted with the averages of the mechanisation; a fix then corrects it. A position, or a vertical
 // velocity, that the model lacks is taken from the fixes.
 //
+// A model may begin with a coarse stage, in which fixes are collected rather than filtered.
+//
 // `Interface` names the generated variables of a component, `Engines` the models that it offers (engine.hpp).
 // The definitions stand in inertial_filter_run.hpp, for the one file that instantiates them.
 #pragma once
@@ -73,6 +75,8 @@ class InertialFilter {
     void report(Prediction prediction);
     template <class E>
     void correct(E& engine, const GnssFix& fix, const AntennaState& then);
+    template <class E, class Fix>
+    void correct_coarsely(E& engine, const Fix& fix);
     template <class E, class Fix>
     double reconcile(E& engine, const Sighting& seen, const Fix& fix);
     void report_infeasible();

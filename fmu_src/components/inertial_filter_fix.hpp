@@ -80,8 +80,14 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const GnssFix& fi
         engine.adapter.renewed(inputs.gnss, [&](int i) { engine.corrector.variational_bayes.restart(i); });
     }
     const auto measured = engine.adapter.fix_of(seen, inputs.gnss);
-    auto innovation = engine.innovate(seen, measured);
     scale_h_infinity(engine, parameters, status_.since_fix(imu_.time()));
+    if constexpr (requires { engine.is_coarse(); }) {
+        if (engine.is_coarse()) {
+            correct_coarsely(engine, measured);
+            return;
+        }
+    }
+    auto innovation = engine.innovate(seen, measured);
     auto correction = engine.corrector.correct(engine.estimator.covariance, innovation);
     if (innovation.channels() > 0 && engine.corrector.out_of_patience()) {
         const double alpha = reconcile(engine, seen, measured);
@@ -115,6 +121,27 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const GnssFix& fi
         const Eigen::Vector3d displacement = earth::displacement(then.position, fix.position);
         engine.move(climb, displacement);
         history_.shift(climb, displacement);
+    }
+}
+
+template <class Interface, class... Engines>
+template <class E, class Fix>
+void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fix& fix) {
+    if (!engine.awaits_fix()) {
+        return;
+    }
+    const Change change = engine.apply_coarsely(fix);
+    if (!change.finite) {
+        fault("the coarse alignment is not finite");
+        return;
+    }
+    status_.use_fix(imu_.time());
+    ++outputs.used_fixes;
+    history_.turn(change.rotation, travelled_);
+    history_.shift(change.velocity, change.displacement);
+    if (!engine.is_coarse() && log_->listens()) {
+        log_->event(text("coarse stage ends at ", imu_.time(), " s after ", outputs.used_fixes,
+                         " fixes, which the filter has taken again from the first"));
     }
 }
 

@@ -244,7 +244,15 @@ void InertialFilter<Interface, Engines...>::publish() {
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish_status() {
     const double now = imu_.time();
-    const auto state = status_.judge(now, imu_.any(), outputs.heading_sigma,
+    const bool coarse = std::visit(
+        [](const auto& engine) {
+            if constexpr (requires { engine.is_coarse(); }) {
+                return engine.is_coarse();
+            }
+            return false;
+        },
+        engine_);
+    const auto state = status_.judge(now, imu_.any(), coarse, outputs.heading_sigma,
                                      {.heading_sigma = parameters.convergence.heading_sigma,
                                       .hold_time = parameters.convergence.hold_time,
                                       .coasting_delay = parameters.coasting.delay});

@@ -8,7 +8,7 @@
 namespace truenorth {
 
 template class InertialFilter<navigation_filter::Interface, NavigationEngine<Loose>, StateEngine<FullState>,
-                              NavigationEngine<Tight>>;
+                              NavigationEngine<Tight>, InvariantEngine<false>>;
 
 namespace {
 

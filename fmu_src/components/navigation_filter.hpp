@@ -5,16 +5,18 @@
 #include "NavigationFilter/variables.hpp"
 #include "components/full_state_adapter.hpp"
 #include "components/inertial_filter.hpp"
+#include "components/invariant_engine.hpp"
 #include "components/loose_adapter.hpp"
 #include "components/state_engine.hpp"
 #include "components/tight_adapter.hpp"
 
 namespace truenorth {
 
-using NavigationFilterBase = InertialFilter<navigation_filter::Interface, NavigationEngine<Loose>,
-                                            StateEngine<FullState>, NavigationEngine<Tight>>;
+using NavigationFilterBase =
+    InertialFilter<navigation_filter::Interface, NavigationEngine<Loose>, StateEngine<FullState>,
+                   NavigationEngine<Tight>, InvariantEngine<false>>;
 extern template class InertialFilter<navigation_filter::Interface, NavigationEngine<Loose>,
-                                     StateEngine<FullState>, NavigationEngine<Tight>>;
+                                     StateEngine<FullState>, NavigationEngine<Tight>, InvariantEngine<false>>;
 
 class NavigationFilter : public NavigationFilterBase {
   public:

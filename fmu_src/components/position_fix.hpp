@@ -6,11 +6,14 @@
 namespace truenorth {
 
 struct PositionFix {
-    // The elements of the output `innovation` where velocities begin; positions stand before them.
-    static constexpr int kVelocitySlot = 12;
-
-    static int slot(int measurement) {
-        return measurement < 3 ? measurement : kVelocitySlot + measurement - 3;
+    // Which element of an output such as `innovation` is a measurement. NavigationFilter leaves room for
+    // pseudoranges, then range rates; AlignmentFilter, whose other models measure velocity alone, begins with
+    // that.
+    template <class Output>
+    static int slot(int measurement, const Output& /*output*/) {
+        constexpr int velocity = Output::SizeAtCompileTime > 6 ? 12 : 0;
+        constexpr int position = velocity > 0 ? 0 : 3;
+        return measurement < 3 ? position + measurement : velocity + measurement - 3;
     }
 
     // Sigmas of a fix that the parameters state, east, north, up [m], [m/s].

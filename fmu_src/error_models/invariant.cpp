@@ -117,13 +117,24 @@ Matrix<Invariant<coloured>::kStates> Invariant<coloured>::process_noise(const St
         set(kAccelerometerMarkov,
             noise.accelerometer.sigma * std::sqrt(2.0 / noise.accelerometer.correlation_time));
     }
-    // By Simpson's rule over the time at which the noise arrives: at the start, half-way, at the end.
+    // By Simpson's rule over the time at which the noise arrives: at the start, half-way, at the end. Of the
+    // states beyond the pose each drives itself alone, which spares most of the products.
     const Deviation sixth = interval.duration / 6.0 * density;
+    Matrix<kStates> Q = sixth.asDiagonal();
+    const auto arrive = [&Q](const Matrix<kStates>& Phi, const Deviation& variance) {
+        const Matrix<kGyro, kStates> pose = Phi.template topRows<kGyro>();
+        const Matrix<kGyro, kStates> driven = pose * variance.asDiagonal();
+        const Vector<kSensors> sensors = Phi.diagonal().template tail<kSensors>();
+        Q.template topLeftCorner<kGyro, kGyro>() += driven * pose.transpose();
+        Q.template topRightCorner<kGyro, kSensors>() +=
+            driven.template rightCols<kSensors>() * sensors.asDiagonal();
+        Q.diagonal().template tail<kSensors>() +=
+            variance.template tail<kSensors>().cwiseProduct(sensors.cwiseAbs2());
+    };
     const Matrix<kStates> start = transition(x, interval);
-    const Matrix<kStates> middle = 0.5 * (start + Matrix<kStates>::Identity());
-    Matrix<kStates> Q = start * sixth.asDiagonal() * start.transpose() +
-                        middle * (4.0 * sixth).asDiagonal() * middle.transpose();
-    Q.diagonal() += sixth;
+    arrive(start, sixth);
+    arrive(0.5 * (start + Matrix<kStates>::Identity()), 4.0 * sixth);
+    Q.template bottomLeftCorner<kSensors, kGyro>() = Q.template topRightCorner<kGyro, kSensors>().transpose();
     symmetrise(Q);
     return Q;
 }

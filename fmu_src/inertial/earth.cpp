@@ -80,9 +80,10 @@ Position geodetic(const Eigen::Vector3d& ecef) {
     double latitude = std::atan2(ecef.z(), (1.0 - kEccentricity2) * from_axis);
     for (int i = 0; i < 3; ++i) {
         const double reduced = std::atan2((1.0 - kFlattening) * std::sin(latitude), std::cos(latitude));
-        latitude =
-            std::atan2(ecef.z() + second_eccentricity2 * semi_minor_axis * std::pow(std::sin(reduced), 3),
-                       from_axis - kEccentricity2 * kSemiMajorAxis * std::pow(std::cos(reduced), 3));
+        const double sine = std::sin(reduced);
+        const double cosine = std::cos(reduced);
+        latitude = std::atan2(ecef.z() + second_eccentricity2 * semi_minor_axis * sine * sine * sine,
+                              from_axis - kEccentricity2 * kSemiMajorAxis * cosine * cosine * cosine);
     }
     const double sin_latitude = std::sin(latitude);
     return {.latitude = latitude,

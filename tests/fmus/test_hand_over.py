@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 import pytest
+from archives import FILTERS, ROOT
 from calls import OK, Fmu, Instance, Number
+from reading import read
 
 STEP = 0.1
 SECONDS = 330
@@ -34,16 +36,30 @@ def step(instance: Instance, index: int, values: dict[str, Number]) -> None:
     assert instance.step(index * STEP, STEP) == OK, instance.journal.last
 
 
-@pytest.mark.parametrize("jacobi", [False, True])
-def test_an_alignment_is_handed_over(fmus: dict[str, Fmu], jacobi: bool) -> None:
+@pytest.mark.parametrize(
+    ("jacobi", "models"),
+    [
+        (False, ("large_azimuth", "loose")),
+        (True, ("large_azimuth", "loose")),
+        (False, ("invariant", "invariant")),
+        (True, ("invariant", "tight")),
+    ],
+)
+def test_an_alignment_is_handed_over(fmus: dict[str, Fmu], jacobi: bool, models: tuple[str, str]) -> None:
+    """The invariant alignment does without the heading at the start, which is far off."""
+    aligning, navigating = (
+        read(ROOT / "modelDescription" / f"{name}.toml").enumeration["ErrorModel"].value(model)
+        for name, model in zip(FILTERS, models, strict=True)
+    )
+    heading = 2.5 if models[0] == "invariant" else 0.1
     with (
         fmus["TruthPlant"].instance() as plant,
         fmus["AlignmentFilter"].instance() as alignment,
         fmus["NavigationFilter"].instance(logging=True) as navigation,
     ):
         plant.start()
-        alignment.start(**{"prior.heading_sigma": 0.17, "initial.heading": 0.1})
-        navigation.start(**{"initial.valid": 0})
+        alignment.start(**{"error_model": aligning, "prior.heading_sigma": 0.17, "initial.heading": heading})
+        navigation.start(**{"error_model": navigating, "initial.valid": 0})
         signals, aligned = plant.read(), alignment.read()
         started = None
         for index in range(round(SECONDS / STEP)):

@@ -36,6 +36,12 @@ def test_rows_are_root_mean_squares_over_runs() -> None:
     assert ratio.markdown().startswith("| any | a / b | heading RMSE | 1 |  | 0.9 to 1.1 | ok |")
 
 
+def test_a_row_says_what_the_settings_make_of_its_scenario() -> None:
+    check = Check("any", [Band("a", 4, 6)], settings={"plant.seed": 2}, case="seed 2")
+    (row,) = rows(check, runs_with({"a": [5]}), 1)
+    assert row.markdown().startswith("| any, seed 2 | a |")
+
+
 def test_two_filters_may_have_to_be_one() -> None:
     check = Check("any", [Band("a", 0, 1e-7, minus="b")])
     assert check.labels == ["a", "b"]

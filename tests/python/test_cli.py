@@ -128,6 +128,7 @@ def test_bound(tmp_path: Path) -> None:
     assert content["heading_sigma_arcmin"][0] == pytest.approx(600)
     better = truenorth("bound", "zigzag", "--set", "gnss.velocity_sigma=0.02", "-o", tmp_path)
     assert "1.76 arcmin" in better.stdout
+    assert "GNSS velocity and position" in truenorth("bound", "any_heading", "-o", tmp_path).stdout
 
 
 def test_list() -> None:

@@ -19,10 +19,12 @@ from sim_scenarios.ensemble import (
     at_end,
     ensemble,
     errors_of_run,
+    failures,
     gathered,
     largest,
     mean,
     mean_rmse,
+    median_settling,
     processes,
     rmse,
     settling,
@@ -55,6 +57,14 @@ def test_settling_is_of_the_root_mean_square_over_runs() -> None:
     assert settling(one) == 2.0  # the first run alone settles at 3 s, the second at 2 s
     assert [settling(run) for run in one.runs()] == [3.0, 2.0]
     assert settling(errors([[[2.0], [2.0]]])) == float("inf")
+
+
+def test_the_median_run_settles_and_a_failed_one_is_counted() -> None:
+    runs = [[5.0, 1.0, 0.0], [5.0, 0.5, 0.0], [5.0, 5.0, 5.0]]
+    three = errors(np.array(runs)[:, :, None], limit=0.9)
+    assert median_settling(three) == 2.0  # of 2 s, 1 s and never
+    assert failures(three) == 3  # the first two by the 5.0 that they begin with
+    assert failures(three.part(0, (1.0, 2.0))) == 1
 
 
 def test_a_figure_is_taken_over_its_window_in_its_unit() -> None:

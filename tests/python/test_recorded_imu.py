@@ -120,6 +120,30 @@ def test_the_real_recording_comes_to_its_heading(fmus: Fmus) -> None:
     assert int(run["rejected_samples"].values[-1]) == 0
 
 
+@pytest.mark.skipif(not REAL.exists(), reason=f"no {REAL.name} in the folder TRUENORTH_RECORDINGS")
+@pytest.mark.parametrize("coarse", [True, False])
+@pytest.mark.parametrize("off", [10.0, 80.0, 170.0])
+def test_the_real_recording_comes_to_its_heading_from_anywhere(fmus: Fmus, off: float, coarse: bool) -> None:
+    """With the coarse stage without any heading: whatever the start says is not used."""
+    run = sim_scenarios.replay(
+        REAL,
+        Start((90.6 + off) * DEGREE, heading_sigma=104 * DEGREE),
+        zero_velocity=ZeroVelocity(SITE),
+        set={
+            **GOOD_SENSORS,
+            "error_model": "invariant",
+            "predictor": "linearised",
+            "corrector": "standard",
+            "prior.tilt_sigma": "1 deg",
+            "coarse.enabled": coarse,
+        },
+        fmu=fmus.filter,
+    )
+    late = run["nav.heading"].values[run["time"].values >= 300] / DEGREE
+    assert np.all(np.abs(late - 90.60) < 0.05)
+    assert bool(run["converged"].values[-1])
+
+
 @pytest.mark.parametrize(("roll", "pitch"), [(0.0, 0.0), (0.1, -0.2), (-1.0, 0.5), (3.0, 0.1)])
 def test_levelling_finds_roll_and_pitch(roll: float, pitch: float) -> None:
     force = dcm(roll, pitch, 1.234).T @ [0, 0, 9.8]

@@ -13,6 +13,8 @@ SHIPPED = {
     "swaying_ship",
     "swaying_ship_printed",
     "waves",
+    "any_heading",
+    "coloured_noise",
     "zigzag",
     "turn",
     "overconfident_prior",

@@ -15,7 +15,7 @@ State with_fixes(FilterStatus& status, int from, int to, double heading_sigma) {
     State state = State::waiting;
     for (int second = from; second <= to; ++second) {
         status.use_fix(second);
-        state = status.judge(second, true, heading_sigma, kRules);
+        state = status.judge(second, true, false, heading_sigma, kRules);
     }
     return state;
 }
@@ -23,10 +23,10 @@ State with_fixes(FilterStatus& status, int from, int to, double heading_sigma) {
 TEST(FilterStatus, WaitsForSamplesAndFixes) {
     FilterStatus status;
     status.start(0.0);
-    EXPECT_EQ(status.judge(0.0, false, kGood, kRules), State::waiting);
-    EXPECT_EQ(status.judge(100.0, true, kGood, kRules), State::waiting);
+    EXPECT_EQ(status.judge(0.0, false, false, kGood, kRules), State::waiting);
+    EXPECT_EQ(status.judge(100.0, true, false, kGood, kRules), State::waiting);
     status.use_fix(100.0);
-    EXPECT_EQ(status.judge(100.0, true, kGood, kRules), State::aligning);
+    EXPECT_EQ(status.judge(100.0, true, false, kGood, kRules), State::aligning);
 }
 
 TEST(FilterStatus, ConvergesWhenTheHeadingHasBeenGoodForLongEnough) {
@@ -44,10 +44,21 @@ TEST(FilterStatus, OfACoastingFilterIsNotConvergedAndTheHoldTimeBeginsAgain) {
     FilterStatus status;
     status.start(0.0);
     ASSERT_EQ(with_fixes(status, 1, 20, kGood), State::converged);
-    EXPECT_EQ(status.judge(25.0, true, kGood, kRules), State::converged);
-    EXPECT_EQ(status.judge(25.1, true, kGood, kRules), State::coasting);
+    EXPECT_EQ(status.judge(25.0, true, false, kGood, kRules), State::converged);
+    EXPECT_EQ(status.judge(25.1, true, false, kGood, kRules), State::coasting);
     EXPECT_EQ(with_fixes(status, 30, 39, kGood), State::aligning);
     EXPECT_EQ(with_fixes(status, 40, 40, kGood), State::converged);
+}
+
+TEST(FilterStatus, OfACoarseStageIsNeverConverged) {
+    FilterStatus status;
+    status.start(0.0);
+    EXPECT_EQ(status.judge(1.0, true, true, kGood, kRules), State::waiting);
+    status.use_fix(1.0);
+    EXPECT_EQ(status.judge(2.0, true, true, kGood, kRules), State::coarse);
+    EXPECT_EQ(status.judge(7.0, true, true, kGood, kRules), State::coasting);
+    EXPECT_EQ(with_fixes(status, 20, 29, kGood), State::aligning);
+    EXPECT_EQ(with_fixes(status, 30, 30, kGood), State::converged);
 }
 
 TEST(FilterStatus, OfAFaultIsFinalUntilTheNextStart) {

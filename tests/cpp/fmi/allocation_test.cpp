@@ -119,6 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
         Setting{"linearised", alignment, 1, 1, 1}, Setting{"unscented", alignment, 1, 2, 1},
         Setting{"linearised_robust", alignment, 1, 1, 2}, Setting{"unscented_robust", alignment, 1, 2, 2},
         Setting{"robust_printed", alignment, 1, 2, 2, 1}, Setting{"robust_ceiling", alignment, 1, 2, 2, 3},
+        Setting{"invariant_coarse", alignment, 5, 1, 1}, Setting{"invariant_navigation", navigation, 4, 2, 1},
         Setting{"loose_linearised", navigation, 1, 1, 1}, Setting{"loose_igg", navigation, 1, 2, 3},
         Setting{"loose_adaptive", navigation, 1, 3, 4}, Setting{"full_state_linearised", navigation, 2, 1, 1},
         Setting{"full_state_bayes", navigation, 2, 2, 5},

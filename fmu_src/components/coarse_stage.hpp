@@ -1,0 +1,95 @@
+// The coarse stage of an alignment: intervals and fixes are kept until vectors in inertial space tell the
+// attitude well enough to linearise at it; then the filter takes them all again, from the first.
+//
+// Memory is bounded: fixes closer than kSpacing are passed over, and what fills the memory ends the stage.
+#pragma once
+
+#include <cereal/types/vector.hpp>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "components/time_tolerance.hpp"
+#include "estimation/relinearised.hpp"
+#include "inertial/vector_alignment.hpp"
+
+namespace truenorth {
+
+template <ErrorModel M>
+class CoarseStage {
+  public:
+    using Solution = VectorAlignment::Solution;
+
+    static constexpr std::size_t kCapacity = 1024;  // fixes
+    static constexpr double kSpacing = 0.1;         // [s]
+    static constexpr int kFewest = 10;              // fixes, for a scatter that can be believed
+
+    // Begins at the next fix. The first time allocates.
+    void begin() {
+        active_ = true;
+        interval_ = {};
+        doubtful_angle_ = 0.0;
+        doubtful_velocity_ = 0.0;
+        alignment_ = {};
+        epochs_.clear();
+        epochs_.reserve(kCapacity);
+    }
+    void end() {
+        active_ = false;
+        epochs_.clear();
+    }
+    [[nodiscard]] bool active() const { return active_; }
+
+    void extend(const Preintegration& interval) { interval_ = interval_ * interval; }
+
+    // Attitude [rad] and velocity [m/s] have become uncertain by so much more than the sensors explain.
+    void doubt(double angle, double velocity) {
+        doubtful_angle_ = std::hypot(doubtful_angle_, angle);
+        doubtful_velocity_ = std::hypot(doubtful_velocity_, velocity);
+    }
+    [[nodiscard]] double doubtful_angle() const { return doubtful_angle_; }
+    [[nodiscard]] double doubtful_velocity() const { return doubtful_velocity_; }
+
+    [[nodiscard]] bool awaits_fix() const {
+        return epochs_.empty() || interval_.duration > kSpacing - kTimeTolerance;
+    }
+
+    // A fix at the end of the intervals so far.
+    void add(const typename M::Fix& fix) {
+        alignment_.add(
+            interval_,
+            {.position = fix.position, .velocity = fix.velocity, .velocity_arm = fix.velocity_arm});
+        epochs_.push_back({.interval = interval_, .fix = fix});
+        interval_ = {};
+    }
+
+    [[nodiscard]] std::optional<Solution> solve() const { return alignment_.solve(); }
+
+    // The solution is good enough, or as good as it will get.
+    [[nodiscard]] bool done(double heading_sigma, double sufficient) const {
+        return (alignment_.fixes() >= kFewest && heading_sigma < sufficient) || epochs_.size() == kCapacity;
+    }
+
+    [[nodiscard]] const typename M::Fix& first_fix() const { return epochs_.front().fix; }
+    [[nodiscard]] std::span<const Epoch<M>> after_first_fix() const { return std::span(epochs_).subspan(1); }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(active_);
+        if constexpr (Archive::is_loading::value) {
+            epochs_.reserve(active_ ? kCapacity : 0);
+        }
+        archive(interval_, doubtful_angle_, doubtful_velocity_, alignment_, epochs_);
+    }
+
+  private:
+    bool active_ = false;
+    Preintegration interval_;  // since the last fix that was kept
+    double doubtful_angle_ = 0.0;
+    double doubtful_velocity_ = 0.0;
+    VectorAlignment alignment_;
+    std::vector<Epoch<M>> epochs_;
+};
+
+}  // namespace truenorth

@@ -1,0 +1,225 @@
+// The invariant model at work, and the coarse stage before it.
+//
+// The state stands where it was predicted last; increments since then are preintegrated, and a mechanisation
+// fills the time between for the outputs. In the coarse stage every fix sets the state anew, to the attitude
+// that the vectors tell; at its end the filter takes all fixes of the stage again, linearised at what was
+// found, with an attitude of which nothing is known as prior.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "components/coarse_stage.hpp"
+#include "components/engine.hpp"
+#include "components/invariant_adapter.hpp"
+#include "inertial/attitude.hpp"
+#include "inertial/earth.hpp"
+
+namespace truenorth {
+
+template <bool coloured>
+class InvariantEngine : public Engine<Invariant<coloured>> {
+  public:
+    using M = Invariant<coloured>;
+    using Base = Engine<M>;
+    using Base::estimator;
+    using typename Base::Where;
+    using Covariance = Matrix<Base::kStates>;
+
+    // Setting: the heading sigma that ends the coarse stage [rad]; 0: there is none.
+    double coarse_heading_sigma = 0.0;
+
+    void start(const Start& start) {
+        this->set_out(start);
+        estimator.state = M::State::of(start.state);
+        estimator.state.sensors.template head<6>() << start.gyro_bias, start.accelerometer_bias;
+        ahead_ = {};
+        previous_ = {};
+        know(estimator.covariance);
+        begin_coarse_stage();
+    }
+
+    void forget() {
+        know(this->prior_sigma.cwiseAbs2().asDiagonal());
+        begin_coarse_stage();
+    }
+
+    void doubt(double angle, double velocity) {
+        if (angle > 0.0 || velocity > 0.0) {
+            Base::doubt(angle, velocity);
+            coarse_.doubt(angle, velocity);
+            refresh();
+        }
+    }
+
+    Prediction mechanise(const ImuIncrement& increment) {
+        ahead_ = ahead_ * Preintegration::of(previous_, increment);
+        previous_ = increment;
+        const Vector<6> error = M::sensor_error(estimator.state);
+        mechanisation_.advance({.dt = increment.dt,
+                                .delta_angle = increment.delta_angle - error.head<3>() * increment.dt,
+                                .delta_velocity = increment.delta_velocity - error.tail<3>() * increment.dt});
+        return Prediction::sound;
+    }
+
+    // Time since the state was last carried forward [s].
+    [[nodiscard]] double pending() const { return ahead_.duration; }
+
+    Prediction predict() {
+        const Prediction prediction = estimator.predict(ahead_);
+        if (is_coarse()) {
+            coarse_.extend(ahead_);
+        }
+        ahead_ = {};
+        follow();
+        return prediction;
+    }
+
+    [[nodiscard]] auto innovate(const Sighting& /*seen*/, const typename M::Fix& fix) const {
+        return estimator.innovate(fix);
+    }
+
+    // Corrects the state. The correction must have been used.
+    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction) {
+        estimator.apply(correction);
+        const Change change = follow();
+        this->found_ = to_navigation_ * correction.deviation.template segment<3>(M::kRotation);
+        return change;
+    }
+
+    [[nodiscard]] bool is_coarse() const { return coarse_.active(); }
+
+    // In the coarse stage: whether the next fix is wanted, and such a fix, which may end the stage.
+    [[nodiscard]] bool awaits_fix() const { return coarse_.awaits_fix(); }
+    Change apply_coarsely(const typename M::Fix& fix) {
+        coarse_.add(fix);
+        const auto solution = coarse_.solve();
+        if (!solution) {
+            place(estimator.state.pose.attitude, fix);
+            return follow();
+        }
+        place(solution->attitude, fix);
+        const Eigen::Matrix3d C_bn = fix.C_en * solution->attitude.toRotationMatrix();
+        const Eigen::Matrix3d scatter = fix.C_en * solution->covariance * fix.C_en.transpose();
+        misalign(C_bn, C_bn.transpose() * scatter * C_bn);
+        if (coarse_.done(std::sqrt(scatter(2, 2)), coarse_heading_sigma)) {
+            place(solution->at_first_fix, coarse_.first_fix());
+            take_again();
+        }
+        return follow();
+    }
+
+    [[nodiscard]] const NavigationState& best() const { return mechanisation_.state; }
+
+    // Of the errors of the navigation state, east, north, up.
+    [[nodiscard]] const Covariance& covariance() const { return covariance_; }
+
+    [[nodiscard]] Eigen::Vector3d gyro_bias() const { return estimator.state.sensors.template head<3>(); }
+    [[nodiscard]] Eigen::Vector3d accelerometer_bias() const {
+        return estimator.state.sensors.template segment<3>(3);
+    }
+
+    // What the last fix found, and how sure that is [rad].
+    [[nodiscard]] const Eigen::Vector3d& misalignment() const { return this->found_; }
+    [[nodiscard]] Eigen::Vector3d misalignment_sigma() const {
+        return covariance_.diagonal().template head<3>().cwiseMax(0.0).cwiseSqrt();
+    }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        Base::serialize(archive);
+        archive(ahead_, previous_, to_navigation_, covariance_, coarse_);
+    }
+
+  private:
+    using Base::mechanisation_;
+
+    // Sigma of an angle of which nothing is known: uniform on the circle [rad].
+    static constexpr double kUnknown = std::numbers::pi / std::numbers::sqrt3;
+
+    void begin_coarse_stage() {
+        if (coarse_heading_sigma > 0.0) {
+            coarse_.begin();
+        } else {
+            coarse_.end();
+        }
+    }
+
+    // Covariance of the errors of the navigation state.
+    void know(const Covariance& covariance) {
+        const Covariance J = M::navigation_errors(estimator.state);
+        estimator.covariance = J.transpose() * covariance * J;
+        refresh();
+    }
+
+    // Position and velocity of a fix, with an attitude of which nothing is known.
+    void place(const Eigen::Quaterniond& attitude, const typename M::Fix& fix) {
+        estimator.state.pose = {.attitude = attitude,
+                                .velocity = fix.velocity - attitude * fix.velocity_arm,
+                                .position = fix.position - attitude * fix.position_arm};
+        Vector<Base::kStates> sigma = this->prior_sigma;
+        sigma.template segment<3>(M::kRotation).setConstant(kUnknown);
+        sigma.template segment<3>(M::kVelocity) = estimator.model.noise.velocity_sigma;
+        sigma.template segment<3>(M::kPosition) = estimator.model.noise.position_sigma;
+        know(sigma.cwiseAbs2().asDiagonal());
+    }
+
+    // Covariance of the attitude that the vectors tell: what the fixes scatter, and what biases do that no
+    // scatter shows. An accelerometer bias passes for a tilt, an east gyro bias for a heading, and the errors
+    // go with these.
+    void misalign(const Eigen::Matrix3d& C_bn, const Eigen::Matrix3d& scatter) {
+        const Eigen::Vector3d east = C_bn.row(0);
+        const Eigen::Vector3d up = C_bn.row(2);
+        const double latitude = mechanisation_.state.position.latitude;
+        const double gravity = earth::gravity(latitude, 0.0);
+        // At the poles the heading is as uncertain as it can be.
+        const double north_rate = std::max(earth::rate(latitude).y(), this->prior_sigma(M::kGyro) / kUnknown);
+        Matrix<3, 6> bias;
+        bias << -up * east.transpose() / north_rate, skew(up) / gravity;
+
+        auto& P = estimator.covariance;
+        const Matrix<3, 6> cross = bias * P.template block<6, 6>(M::kGyro, M::kGyro);
+        P.template block<3, 3>(M::kRotation, M::kRotation) = scatter + cross * bias.transpose();
+        P.template block<3, 6>(M::kRotation, M::kGyro) = cross;
+        P.template block<6, 3>(M::kGyro, M::kRotation) = cross.transpose();
+    }
+
+    // Filters the coarse stage, from the first fix to the last.
+    void take_again() {
+        this->corrector.restart();
+        filter_along_trajectory(estimator.model, estimator.state, estimator.covariance,
+                                coarse_.after_first_fix(), [this](const auto& prior, const auto& innovation) {
+                                    return this->corrector.correct(prior, innovation);
+                                });
+        Base::doubt(coarse_.doubtful_angle(), coarse_.doubtful_velocity());
+        coarse_.end();
+    }
+
+    // What follows from the covariance.
+    void refresh() {
+        const Covariance J = M::navigation_errors(estimator.state);
+        to_navigation_ = J.template topLeftCorner<3, 3>();
+        covariance_ = J * estimator.covariance * J.transpose();
+        symmetrise(covariance_);
+    }
+
+    // What follows from state and covariance when both are of now; returns what changed.
+    Change follow() {
+        refresh();
+        const NavigationState before = mechanisation_.state;
+        mechanisation_.state = estimator.state.navigation();
+        Change change = Change::between(before, mechanisation_.state);
+        change.finite = change.rotation.allFinite() && change.velocity.allFinite() &&
+                        change.displacement.allFinite() && covariance_.allFinite();
+        return change;
+    }
+
+    Preintegration ahead_;                                         // since the state was carried forward
+    ImuIncrement previous_;                                        // the one before the next
+    Eigen::Matrix3d to_navigation_ = Eigen::Matrix3d::Identity();  // body to local level, of the state
+    Covariance covariance_ = Covariance::Zero();                   // of the errors of the navigation state
+    CoarseStage<M> coarse_;
+};
+
+}  // namespace truenorth
