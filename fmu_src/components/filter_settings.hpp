@@ -2,8 +2,9 @@
 // share (modelDescription/shared) make these templates fit each of them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numbers>
 
 #include "components/engine.hpp"
 #include "components/parameter_rules.hpp"
@@ -78,9 +79,30 @@ Vector<Engine::kStates> prior_sigma_of(const Parameters& p) {
     return sigma;
 }
 
-// `prior_sigma` is that of the states.
+// Sigmas beyond which the adaptive factor makes no state uncertain: of an attitude half a turn, of anything
+// else far more than was known of it at the start, or than a fix tells of it.
+template <class Engine, class Parameters>
+Vector<Engine::kStates> widest_of(const Engine& engine, const Parameters& p) {
+    using Where = typename Engine::Where;
+    constexpr double kTimes = 1e4;
+    Vector<Engine::kStates> widest = kTimes * engine.prior_sigma;
+    const auto at_least = [&](Block block, double value) {
+        auto part = widest.segment(block.first, block.count);
+        part = part.cwiseMax(value).eval();
+    };
+    at_least(Where::velocity, kTimes * p.measurement.velocity_sigma);
+    if constexpr (Where::position.count == 3) {
+        at_least(Where::position,
+                 kTimes * std::max(p.measurement.position_sigma, p.measurement.height_sigma));
+    }
+    auto attitude = widest.segment(Where::attitude.first, Where::attitude.count);
+    attitude = (attitude / kTimes).cwiseMax(std::numbers::pi).eval();
+    return widest;
+}
+
+// `widest`: see AdaptiveFactor.
 template <int N, int M, class Parameters>
-void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& prior_sigma, const Parameters& p) {
+void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& widest, const Parameters& p) {
     using Chosen = decltype(p.corrector);
     using Method = typename Corrector<N, M>::Method;
     switch (p.corrector) {
@@ -111,10 +133,7 @@ void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& prior_sigm
     adaptive.form = p.adaptive.form == decltype(p.adaptive.form)::printed ? AdaptiveForm::printed
                                                                           : AdaptiveForm::unit_free;
     adaptive.threshold = p.adaptive.threshold;
-    // What is without a prior (a bias that is taken for known) sets no limit.
-    constexpr double kWidest = 1e3;
-    adaptive.widest =
-        (prior_sigma.array() > 0.0).select(kWidest * prior_sigma, std::numeric_limits<double>::infinity());
+    adaptive.widest = widest;
     corrector.igg.guard = adaptive;
     auto& bayes = corrector.variational_bayes;
     using BayesForm = typename std::remove_reference_t<decltype(bayes)>::Form;
@@ -171,7 +190,7 @@ void configure(Engine& engine, const Parameters& p) {
     }
     engine.estimator.predictor = predictor_of(p);
     engine.prior_sigma = prior_sigma_of<Engine>(p);
-    configure_corrector(engine.corrector, engine.prior_sigma, p);
+    configure_corrector(engine.corrector, widest_of(engine, p), p);
 }
 
 }  // namespace truenorth

@@ -150,10 +150,10 @@ void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fi
 template <class Interface, class... Engines>
 template <class E, class Fix>
 double InertialFilter<Interface, Engines...>::reconcile(E& engine, const Sighting& seen, const Fix& fix) {
-    constexpr double smallest = 1e-12;  // divided by less, a covariance says nothing any more
     const auto before = engine.estimator.covariance;
+    const double smallest = engine.corrector.adaptive_factor.smallest(before);
     double alpha = engine.corrector.adaptive_factor.alpha(before, engine.innovate(seen, fix));
-    while (alpha > smallest) {
+    while (alpha >= smallest) {
         engine.blame(alpha);
         if (engine.corrector.gate.admits(engine.innovate(seen, fix))) {
             if (log_->listens()) {

@@ -1,6 +1,6 @@
 // Loosely coupled integration, 15 states: the model of Li, eqs. 19-22. Misprints there: the blocks of eqs.
-// 20-22 make 18 columns, errors of position are in radians where the states are metres, and the differences
-// are in the order north, east where the states are east, north.
+// 20-22 make 18 columns, eq. 20 equates a difference of positions in radians to metres, and the differences
+// are in the order north, east where the states are east, north. Position errors are metres here.
 //
 // Misalignment, velocity and position errors move by the equations of navigation_error.hpp, driven by
 // constant gyro and accelerometer biases eps and nabla. Every error is computed (measured) minus true. The

@@ -5,7 +5,7 @@
 //
 //     P+ = P- / alpha - K S K^T;
 //
-// eq. 17 prints P_k, the posterior that it defines, for the predicted P_k^-. An outlier of the measurement is
+// eq. 17 prints P_k, the posterior of eq. 14, for the predicted P_k^-. An outlier of the measurement is
 // thereby taken at its word: against outliers this corrector is the wrong one.
 //
 // alpha has a floor, which Li does not print: no state's sigma is made larger than `widest`. Every gross
@@ -26,8 +26,8 @@ class AdaptiveFactor {
   public:
     enum class Form {
         unit_free,  // sum u_i^2 > threshold x channels, with the standardised innovation u
-        printed,    // eq. 18, tr(v v^T) > tr(S): adds squared metres to squared metres per second, and fires
-                    // in clean epochs as soon as one unit dominates
+        printed,  // eq. 18, tr(v v^T) > tr(S), a statistic against its own mean: fires in two clean epochs of
+                  // five; adds squared metres to squared metres per second, so that the unit decides
     };
 
     Form form = Form::unit_free;
@@ -48,8 +48,13 @@ class AdaptiveFactor {
     // At most 1; 1: the innovation is what its covariance explains.
     template <int M>
     [[nodiscard]] double alpha(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
-        const double floor = prior.diagonal().cwiseQuotient(widest.cwiseAbs2()).maxCoeff();
-        return std::min(std::max(explained(innovation), floor), 1.0);
+        return std::min(std::max(explained(innovation), smallest(prior)), 1.0);
+    }
+
+    // By which no sigma of the prior grows beyond the widest; more than 1 if one of them is beyond it
+    // already.
+    [[nodiscard]] double smallest(const Matrix<N>& prior) const {
+        return prior.diagonal().cwiseQuotient(widest.cwiseAbs2()).maxCoeff();
     }
 
   private:

@@ -23,8 +23,8 @@ namespace truenorth {
 template <int N>
 class HInfinity {
   public:
-    // Bounds what an update may forget: no eigenvalue of the posterior, in units of `sigma`, grows beyond
-    // `limit`.
+    // Bounds what an update may forget: in units of `sigma`, no eigenvalue of the posterior grows beyond
+    // about `limit` (1.2 times it at worst, see forget_below).
     struct Ceiling {
         Vector<N> sigma;
         double limit;
@@ -69,7 +69,8 @@ class HInfinity {
     // The information matrix in units of sigma, J = S (P_post^-1 - gamma^-2 L^T L) S, keeps every eigenvalue
     // above 1 / limit: feasible for any gamma. Clipping turns the axes a little and would shrink some
     // directions below P_post; of the change only what adds variance is kept, because an update may forget
-    // but not learn here. Returns false, and changes nothing, if P_post has no inverse.
+    // but not learn here, at the price of passing the limit a little. Returns false, and changes nothing, if
+    // P_post has no inverse.
     bool forget_below(const Ceiling& bound, Matrix<N>& posterior) const {
         const Vector<N>& sigma = bound.sigma;
         const Vector<N> inverse = sigma.cwiseInverse();

@@ -64,7 +64,8 @@ class Igg {
             if (weights(i) == 0.0) {
                 used.remove(i);
             } else {
-                // Correlations of the noise shrink with its standard deviations, and stay what they are.
+                // Covariances of the noise grow with its standard deviations; correlations stay what they
+                // are.
                 const double growth = 1.0 / std::sqrt(weights(i));
                 used.noise.row(i) *= growth;
                 used.noise.col(i) *= growth;

@@ -11,7 +11,8 @@
 // Neither needs the states: with S = H P H^T + R, r = R S^-1 v and H P+ H^T = R - R S^-1 R. a tends to
 // 1 / (2 (1 - rho)), so that R remembers some 1 / (1 - rho) epochs. Jing 2023's eq. 17 adds 1/2 to the a of
 // the epoch before, not to a-, so that a grows without bound while b does not, and takes residual and
-// covariance of the prior; this is the form `printed`.
+// covariance of the prior; this is the form `printed`, which lets the new R act in the epoch that it comes
+// from (eq. 18 has that of the epoch before).
 //
 // A channel starts with the nominal R of its first epoch, as sure as kConfidence says; correlations of the
 // nominal R are left out. A channel that is absent learns nothing, and nothing is forgotten of it. The

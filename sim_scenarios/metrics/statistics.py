@@ -151,23 +151,31 @@ def nees_of(run: xr.Dataset) -> Array:
 
     Of attitude and velocity, and of the sensor biases where the truth is known. The covariance is that of the
     states of the error models: misalignment and velocity error of the estimate, and the part of a bias that
-    is left in the signals, which is the true bias minus the estimated one.
+    is left in the signals, which is the true bias minus the estimated one. Left out is what the model has no
+    state for, which is correlated with nothing, and the gyro bias of the tight model, of which the covariance
+    holds one of two parts only.
 
     Returns
     -------
     ndarray, shape (times,)
-        Of the states whose variance is never zero; NaN if there are none.
+        NaN if there are no such states.
     """
-    biases = [name for name in ("gyro_bias", "accelerometer_bias") if f"truth.{name}" in run]
-    parts = [wrap(run["attitude_error"].values), run["velocity_error"].values]
-    parts += [run[f"truth.{name}"].values - run[name].values for name in biases]
-    error = np.concatenate(parts, axis=-1)
-    covariance = run["covariance"].values
-    variance = np.diagonal(covariance, axis1=1, axis2=2)[:, : error.shape[-1]]
-    uncertain = np.flatnonzero((variance > 0).all(axis=0))
-    if not len(uncertain):
-        return np.full(len(error), np.nan)
-    return nees(error[:, uncertain], covariance[:, uncertain[:, None], uncertain])
+    tight = "clock_bias_sigma" in run and bool(run["clock_bias_sigma"].values.any())
+    names = ("accelerometer_bias",) if tight else ("gyro_bias", "accelerometer_bias")
+    error = {"attitude": wrap(run["attitude_error"].values), "velocity": run["velocity_error"].values}
+    error |= {
+        name: run[f"truth.{name}"].values - run[name].values for name in names if f"truth.{name}" in run
+    }
+    first = {"attitude": 0, "velocity": 3, "gyro_bias": 6, "accelerometer_bias": 9}
+    state = np.concatenate([np.arange(3) + first[name] for name in error])
+    covariance = run["covariance"].values[:, state[:, None], state]
+    off_diagonal = covariance * ~np.eye(len(state), dtype=bool)
+    modelled = np.flatnonzero(off_diagonal.any(axis=(0, 1)))
+    if not len(modelled):
+        return np.full(len(covariance), np.nan)
+    return nees(
+        np.concatenate(list(error.values()), axis=-1)[:, modelled], covariance[:, modelled[:, None], modelled]
+    )
 
 
 def chi_square_interval(degrees_of_freedom: int, confidence: float = CONFIDENCE) -> tuple[float, float]:

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "AlignmentFilter/variables.hpp"
+#include "components/large_azimuth_adapter.hpp"
+#include "components/navigation_engine.hpp"
 
 namespace truenorth {
 namespace {
@@ -12,17 +16,22 @@ TEST(FilterSettings, GiveTheGuardOfIggTheAdaptiveFactorOfTheParameters) {
     parameters.adaptive.threshold = 12.0;
     parameters.adaptive.form = alignment_filter::AdaptiveForm::printed;
     Corrector<2, 2> corrector;
-    configure_corrector(corrector, Vector<2>(0.1, 0.0), parameters);
+    configure_corrector(corrector, Vector<2>(1.0, 1.0), parameters);
     EXPECT_EQ(corrector.igg.guard.threshold, 12.0);
     EXPECT_EQ(corrector.igg.guard.form, AdaptiveFactor<2>::Form::printed);
 }
 
-TEST(FilterSettings, LimitTheAdaptiveFactorWhereTheStateHasAPrior) {
-    Corrector<2, 2> corrector;
-    configure_corrector(corrector, Vector<2>(0.1, 0.0), alignment_filter::Parameters());
-    for (const auto& factor : {corrector.adaptive_factor, corrector.igg.guard}) {
-        EXPECT_EQ(factor.widest(0), 100.0);
-        EXPECT_TRUE(std::isinf(factor.widest(1)));
+TEST(FilterSettings, LimitTheAdaptiveFactorFarBeyondPriorAndFix) {
+    alignment_filter::Parameters parameters;
+    parameters.prior.heading_sigma = 0.1;
+    parameters.prior.velocity_sigma = 1e-3;
+    parameters.measurement.velocity_sigma = 0.5;
+    NavigationEngine<LargeAzimuth> engine;
+    configure(engine, parameters);
+    for (const auto& factor : {engine.corrector.adaptive_factor, engine.corrector.igg.guard}) {
+        EXPECT_DOUBLE_EQ(factor.widest(LargeAzimuth::kPhiUp), std::numbers::pi);
+        EXPECT_DOUBLE_EQ(factor.widest(LargeAzimuth::kGyroX), 1e4 * parameters.prior.gyro_bias_sigma);
+        EXPECT_DOUBLE_EQ(factor.widest(LargeAzimuth::kVelocityNorth), 5e3);
     }
 }
 

@@ -21,21 +21,28 @@ WINDOW = (100.0, 1000.0)
 CHANNELS = 24
 STATUS = {"flag_values": [1, 2, 3, 4, 5], "flag_meanings": "waiting aligning converged coasting faulted"}
 SIGMA = {"misalignment": 0.4 * ARCMIN, "velocity": 0.05, "position": 3.0}
+CORRELATION = 0.6  # of velocity and misalignment about the same axis
 
 
 def consistent(seed: int = 1, status: int = 3) -> xr.Dataset:
     """Errors drawn from the covariance that the filter claims, worse by far before the window; 5 to 12
-    satellites that come and go, two channels each.
+    satellites that come and go, two channels each; a model without biases.
     """
     rng = np.random.default_rng(seed)
     settled = np.where(WINDOW[0] > TIME, 20.0, 1.0)[:, None]
     time_and_axis, fix_and_channel = ("time", "axis3"), ("fix", f"axis{CHANNELS}")
     errors = {name: sigma * rng.standard_normal((len(TIME), 3)) for name, sigma in SIGMA.items()}
+    common = errors["misalignment"] * SIGMA["velocity"] / SIGMA["misalignment"]
+    errors["velocity"] = CORRELATION * common + np.sqrt(1 - CORRELATION**2) * errors["velocity"]
     satellites = rng.integers(5, 13, len(TIME) - 1)
     measured = np.tile(np.arange(CHANNELS // 2) < satellites[:, None], 2)
     innovation = np.where(measured, rng.standard_normal(measured.shape), 0.0)
     covariance = np.zeros((len(TIME), 12, 12))
     covariance[:, range(6), range(6)] = np.repeat([SIGMA["misalignment"], SIGMA["velocity"]], 3) ** 2
+    for i in range(3):
+        covariance[:, i, 3 + i] = covariance[:, 3 + i, i] = (
+            CORRELATION * SIGMA["misalignment"] * SIGMA["velocity"]
+        )
     data = {
         "attitude_error": (time_and_axis, settled * errors["misalignment"]),
         "heading_error": ("time", (settled * errors["misalignment"])[:, 2]),
@@ -123,7 +130,8 @@ def test_nees_counts_biases_as_what_is_left_of_them() -> None:
     rng = np.random.default_rng(5)
     left, velocity = rng.standard_normal((2, count, 3))
     covariance = run["covariance"].values.copy()
-    covariance[:, 6:, 6:] = np.eye(6)
+    covariance[:, :3, 3:6] = covariance[:, 3:6, :3] = 0.0
+    covariance[:, 6:, 6:] = np.eye(6)  # the accelerometer biases are no states: correlated with nothing
     covariance[:, 3:6, 3:6] = (1 + 0.5**2) * np.eye(3)
     covariance[:, 3:6, 6:9] = covariance[:, 6:9, 3:6] = 0.5 * np.eye(3)
     true = rng.standard_normal((count, 3))
@@ -133,14 +141,16 @@ def test_nees_counts_biases_as_what_is_left_of_them() -> None:
         **{
             "truth.gyro_bias": (("time", "axis3"), true),
             "gyro_bias": (("time", "axis3"), true - left),
-            "truth.accelerometer_bias": (("time", "axis3"), rng.standard_normal((count, 3))),
+            "truth.accelerometer_bias": (("time", "axis3"), 9 * rng.standard_normal((count, 3))),
             "accelerometer_bias": (("time", "axis3"), np.zeros((count, 3))),
         },
     )
-    assert verdict_on(known).nees == pytest.approx(1, abs=5 * np.sqrt(2 / (12 * 901)))
+    assert verdict_on(known).nees == pytest.approx(1, abs=5 * np.sqrt(2 / (6 * 901)))
     assert nees_of(known).shape == (count,)
     certain = known.assign(covariance=0 * known["covariance"])
     assert np.isnan(nees_of(certain)).all()
+    tight = known.assign(clock_bias_sigma=("time", np.ones(count)))  # knows a part of its gyro biases
+    assert np.isnan(nees_of(tight)).all()  # and nothing else is correlated here
 
 
 def test_headings_wrap() -> None:
