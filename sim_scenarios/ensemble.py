@@ -293,7 +293,8 @@ def _columns(run: xr.Dataset) -> Array:
     used = run["fix_used"].values
     row = np.searchsorted(run["time"].values, run["fix_time"].values[used] - 1e-6)
     inside = row < len(errors)
-    nis = run["nis"].values[used] / is_measured(run)[used].sum(axis=1)
+    channels = is_measured(run)[used].sum(axis=1)  # none of a fix that a coarse stage used
+    nis = np.where(channels > 0, run["nis"].values[used] / np.maximum(channels, 1), np.nan)
     errors[row[inside], NIS] = nis[inside]
     if "covariance" in run:
         errors[:, NEES] = nees_of(run)

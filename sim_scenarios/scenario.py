@@ -207,7 +207,7 @@ def load_scenario(
     Scenario
     """
     path = scenario_path(name)
-    table = {"name": path.stem, **_read(path), **({} if compare is None else {"compare": compare})}
+    table = {"name": path.stem, **_read(path)}
     overriding = {**(settings or {}), **({} if seed is None else {"plant.seed": seed})}
     if "filter_fmu" in overriding:  # decides what the other entries may be
         table["filter_fmu"] = overriding.pop("filter_fmu")
@@ -218,6 +218,8 @@ def load_scenario(
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     unchanged = _check(table, parts, path)
+    if compare is not None:
+        table["compare"] = compare
     changed = _check(_overridden(table, parts, overriding), parts, "the settings")
     if not (unchanged.notes and settings):
         return changed

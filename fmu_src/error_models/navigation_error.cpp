@@ -54,10 +54,12 @@ Error random_walk_variance(double angle_random_walk, double velocity_random_walk
     return variance;
 }
 
-// exp(r x) = exp((phi + d) x) exp(-phi x) = exp((J d) x).
+// exp(r x) = exp((phi + d) x) exp(-phi x) = exp((J d) x). A phi of more than half a turn, of which these
+// equations know nothing, counts as the rotation that it is: J comes near to singular at whole turns, and
+// would make certain what is lost.
 Matrix<kCount> correction_jacobian(const Error& error) {
     Matrix<kCount> G = Matrix<kCount>::Identity();
-    G.block<3, 3>(kPhi, kPhi) = left_jacobian(error.segment<3>(kPhi));
+    G.block<3, 3>(kPhi, kPhi) = left_jacobian(rotation_vector(quaternion(error.segment<3>(kPhi))));
     return G;
 }
 

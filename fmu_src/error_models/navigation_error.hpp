@@ -34,7 +34,7 @@ Matrix<kCount> jacobian(const NavigationInterval& interval);
 Error random_walk_variance(double angle_random_walk, double velocity_random_walk, double dt);
 
 // Jacobian of the error that remains after retract(computed, -error) with respect to the true one, at
-// `error`. Its norm is that of a rotation at most, however large phi.
+// `error`. It turns and may shrink attitude errors, to 2 / pi at most, however large phi.
 Matrix<kCount> correction_jacobian(const Error& error);
 
 }  // namespace truenorth::navigation_error

@@ -6,8 +6,8 @@
 //     tan(roll) = V cos(c) X' / (V c' + g cos(c)),    in level flight V X' / g.
 //
 // g is standard gravity and the Earth is at rest here: what the Earth's rotation and curvature add, some
-// ten mm/s2 at 100 m/s, the wings do feel. Where segments meet the roll rate is continuous and its derivative is not: let
-// them meet at ends of IMU samples, or the increments are some 0.01 arcsec off there.
+// ten mm/s2 at 100 m/s, the wings do feel. Where segments meet the roll rate is continuous and its derivative
+// is not: let them meet at ends of IMU samples, or the increments are some 0.01 arcsec off there.
 #pragma once
 
 #include <array>

@@ -9,10 +9,8 @@
 #include <numbers>
 #include <string>
 
-#include "error_models/invariant.hpp"
-#include "error_models/large_azimuth.hpp"
-#include "estimation/estimator.hpp"
-#include "estimation/h_infinity.hpp"
+#include "components/invariant_adapter.hpp"
+#include "components/large_azimuth_adapter.hpp"
 
 namespace {
 

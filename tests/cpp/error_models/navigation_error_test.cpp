@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SVD>
 #include <cmath>
 #include <numbers>
 
@@ -81,6 +82,17 @@ TEST(NavigationError, CorrectionJacobianIsTheDerivativeOfWhatRemains) {
         EXPECT_LT(angles.norm(), 1e-6);  // the square of the step
         EXPECT_LT(difference.middleRows<3>(3).norm(), 1e-10);
         EXPECT_LT(difference.bottomRows<3>().norm(), 1e-4);  // 17 m over the radius, 7e-10 m over the step
+    }
+}
+
+TEST(NavigationError, CorrectionJacobianNeitherGrowsNorShrinksWithoutBound) {
+    RandomValues random(5);
+    for (int n = 0; n < 200; ++n) {
+        const Error error = random_error(random, 20.0, 1.0, 10.0);
+        const Matrix<3> angles = navigation_error::correction_jacobian(error).topLeftCorner<3, 3>();
+        const Vector3d gain = angles.jacobiSvd().singularValues();
+        EXPECT_LT(gain.maxCoeff(), 1.0 + 1e-12);
+        EXPECT_GT(gain.minCoeff(), 2.0 / std::numbers::pi - 1e-12);
     }
 }
 
