@@ -53,16 +53,18 @@ class Campaign:
     ) -> Effort:
         """Run all that is missing; a cluster is started, or asked, only if something is."""
         identity = fingerprint(self.plan, self.cases, self.versions)
+        effort = Effort(0, 0, 0.0, 0.0)
         there = store.is_there(self.folder, identity)
-        if there and not any(store.unfinished(self.path)):
-            return Effort(0, 0, 0.0, 0.0)
-        with execution.cluster(workers, scheduler) as client:
-            if not there:
-                bounds = execution.bounds(client, self.cases)
-                store.create(self.folder, self.plan, self.cases, identity, bounds)
-            return execution.execute(
-                client, self.path, self.plan, self.cases, self.master, dict(self.versions), report
-            )
+        if not there or any(store.unfinished(self.path)):
+            with execution.cluster(workers, scheduler) as client:
+                if not there:
+                    bounds = execution.bounds(client, self.cases)
+                    store.create(self.folder, self.plan, self.cases, identity, bounds)
+                effort = execution.execute(
+                    client, self.path, self.plan, self.cases, self.master, dict(self.versions), report
+                )
+        store.sweep(self.path)
+        return effort
 
     @property
     def path(self) -> Path:

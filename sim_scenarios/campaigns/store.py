@@ -86,6 +86,12 @@ def discard(folder: Path) -> None:
     shutil.rmtree(folder / NAME, ignore_errors=True)
 
 
+def sweep(path: Path) -> None:
+    """Remove the chunks that killed workers had begun to write. Only when no run is missing any more."""
+    for partial in path.rglob("*.partial"):
+        partial.unlink(missing_ok=True)
+
+
 def run_attributes(path: Path) -> list[dict[str, Any]]:
     """Attributes of the runs of each case: evaluation window, limits, bound."""
     about = json.loads(_group(path, "r").attrs["cases"])

@@ -71,6 +71,15 @@ def test_nothing_half_made_is_left_or_taken(
     assert store.is_there(tmp_path, "any")
 
 
+def test_sweep_removes_what_a_killed_worker_had_begun(tmp_path: Path, plan: Plan, made: list[Case]) -> None:
+    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)])
+    path = tmp_path / store.NAME
+    before = sorted(path.rglob("*"))
+    (path / "heading_error" / "0.0.5.12436ce2.partial").touch()
+    store.sweep(path)
+    assert sorted(path.rglob("*")) == before
+
+
 def test_a_batch_is_missing_until_its_state_is_written(tmp_path: Path, plan: Plan, made: list[Case]) -> None:
     store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)])
     path = tmp_path / store.NAME
