@@ -7,7 +7,6 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 JOBS   ?= 2
-SEEDS  ?= 50
 
 PLATFORMS ?= linux64 linux-aarch64 win64
 ZIG       := ziglang==0.17.1
@@ -83,8 +82,8 @@ bench: native  ## Time per filter step, per fmi2DoStep, and of a whole run
 	@build/native/tests/cpp/bench_filter
 	@python -m sim_scenarios.benchmark
 
-bands: fmus  ## Monte-Carlo check of the accuracy bands (SEEDS=50; several minutes)
-	@python -m sim_scenarios.bands -n $(SEEDS)
+bands: fmus  ## Monte-Carlo check of the accuracy bands (ten minutes; SEEDS=10 for fewer runs)
+	@python -m sim_scenarios.bands $(if $(SEEDS),-n $(SEEDS))
 
 clean:  ## Remove everything generated, the environment excepted
 	@rm -rf build
