@@ -30,6 +30,11 @@ Progress = Callable[[float], None]
 """Called with the completed share, 0 to 1."""
 
 
+def part_of(progress: Progress, done: int, parts: int) -> Progress:
+    """Progress of one of several equal parts, after those that are done."""
+    return lambda share: progress((done + share) / parts)
+
+
 class Order(str, Enum):
     """Who steps first."""
 

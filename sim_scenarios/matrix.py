@@ -15,7 +15,7 @@ from typing import Final
 
 import xarray as xr
 
-from sim_scenarios.cosimulation import Progress
+from sim_scenarios.cosimulation import Progress, part_of
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import Verdict, judge
 from sim_scenarios.scenario import load_scenario
@@ -106,12 +106,7 @@ def matrix(
         if not axes:
             own = load_scenario(scenario, fmus, seed=seed, settings=settings).compare
             loaded = loaded.model_copy(update={"compare": {**loaded.compare, **own}})
-        yield run_filters(loaded, fmus, loaded.filters(), progress=part(progress, done, len(scenarios)))
-
-
-def part(progress: Progress, done: int, parts: int) -> Progress:
-    """Progress of one of several equal parts, after those that are done."""
-    return lambda share: progress((done + share) / parts)
+        yield run_filters(loaded, fmus, loaded.filters(), progress=part_of(progress, done, len(scenarios)))
 
 
 def judged(runs: xr.Dataset) -> dict[str, Verdict]:

@@ -58,6 +58,9 @@ class Engine {
         variance.segment(Where::velocity.first, Where::velocity.count).array() += velocity * velocity;
     }
 
+    // A model that has a coarse stage says when it is in it.
+    [[nodiscard]] static constexpr bool is_coarse() { return false; }
+
     // Blames the navigation state: its variances are divided by alpha, its correlations stay. What is known
     // of the sensors is not touched: it comes from their makers, and no start can make it wrong.
     void blame(double alpha) {

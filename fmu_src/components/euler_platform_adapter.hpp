@@ -28,18 +28,16 @@ struct Adapter<EulerPlatform> {
         using Form = decltype(p.velocity_form);
         if (p.velocity_form != Form::transposed && p.velocity_form != Form::vertical_force) {
             rules::refuse("velocity_form", static_cast<int>(p.velocity_form),
-                          "transposed (1) or vertical_force (3) unless error_model is large_azimuth");
+                          "transposed (1) or vertical_force (3) with the Euler models");
         }
         for (int i = 0; i < 3; ++i) {
             if (p.initial.velocity[i] != 0.0) {
                 rules::refuse(text("initial.velocity[", i + 1, "]"), p.initial.velocity[i],
-                              "0 unless error_model is large_azimuth: the Euler models are for a stationary "
-                              "base");
+                              "0 with the Euler models: they are for a stationary base");
             }
             if (p.gnss.lever_arm[i] != 0.0) {
                 rules::refuse(text("gnss.lever_arm[", i + 1, "]"), p.gnss.lever_arm[i],
-                              "0 unless error_model is large_azimuth: the Euler models measure the IMU's "
-                              "velocity");
+                              "0 with the Euler models: they measure the IMU's velocity");
             }
         }
     }

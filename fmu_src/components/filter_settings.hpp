@@ -79,12 +79,12 @@ Vector<Engine::kStates> prior_sigma_of(const Parameters& p) {
     return sigma;
 }
 
-// Sigmas beyond which the adaptive factor makes no state uncertain: of an attitude half a turn, of anything
-// else far more than was known of it at the start, or than a fix tells of it.
+// Sigmas beyond which the adaptive factor makes no state uncertain: of an attitude half a turn (or its
+// prior), of anything else far more than was known of it at the start, or than a fix tells of it.
 template <class Engine, class Parameters>
 Vector<Engine::kStates> widest_of(const Engine& engine, const Parameters& p) {
     using Where = typename Engine::Where;
-    constexpr double kTimes = 1e4;
+    constexpr double kTimes = 1e4;  // 1e8 of a variance: half of the digits of a double
     Vector<Engine::kStates> widest = kTimes * engine.prior_sigma;
     const auto at_least = [&](Block block, double value) {
         auto part = widest.segment(block.first, block.count);

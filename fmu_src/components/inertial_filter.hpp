@@ -8,7 +8,8 @@
 // A model may begin with a coarse stage, in which fixes are collected rather than filtered.
 //
 // `Interface` names the generated variables of a component, `Engines` the models that it offers (engine.hpp).
-// The definitions stand in inertial_filter_run.hpp, for the one file that instantiates them.
+// The definitions stand in inertial_filter_run.hpp and inertial_filter_fix.hpp, for the file of each
+// component that instantiates them.
 #pragma once
 
 #include <variant>

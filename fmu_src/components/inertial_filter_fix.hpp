@@ -81,7 +81,7 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const GnssFix& fi
     }
     const auto measured = engine.adapter.fix_of(seen, inputs.gnss);
     scale_h_infinity(engine, parameters, status_.since_fix(imu_.time()));
-    if constexpr (requires { engine.is_coarse(); }) {
+    if constexpr (requires { engine.apply_coarsely(measured); }) {
         if (engine.is_coarse()) {
             correct_coarsely(engine, measured);
             return;

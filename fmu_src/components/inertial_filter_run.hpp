@@ -244,14 +244,7 @@ void InertialFilter<Interface, Engines...>::publish() {
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish_status() {
     const double now = imu_.time();
-    const bool coarse = std::visit(
-        [](const auto& engine) {
-            if constexpr (requires { engine.is_coarse(); }) {
-                return engine.is_coarse();
-            }
-            return false;
-        },
-        engine_);
+    const bool coarse = std::visit([](const auto& engine) { return engine.is_coarse(); }, engine_);
     const auto state = status_.judge(now, imu_.any(), coarse, outputs.heading_sigma,
                                      {.heading_sigma = parameters.convergence.heading_sigma,
                                       .hold_time = parameters.convergence.hold_time,

@@ -30,6 +30,13 @@ struct Adapter<Invariant<coloured>> : PositionFix {
                           "runge_kutta (2) with error_model = invariant: there is no error equation to "
                           "integrate");
         }
+        if constexpr (requires { p.velocity_form; }) {
+            if (p.velocity_form != decltype(p.velocity_form)::transposed) {
+                rules::refuse(
+                    "velocity_form", static_cast<int>(p.velocity_form),
+                    "transposed (1) with error_model = invariant: it has no velocity rows to choose");
+            }
+        }
         if (p.robust.states != decltype(p.robust.states)::all) {
             rules::refuse("robust.states", static_cast<int>(p.robust.states),
                           "all (1) with error_model = invariant: its errors are in body axes, heading is not "

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "components/coarse_stage.hpp"
 #include "components/engine.hpp"
@@ -135,9 +134,6 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
   private:
     using Base::mechanisation_;
 
-    // Sigma of an angle of which nothing is known: uniform on the circle [rad].
-    static constexpr double kUnknown = std::numbers::pi / std::numbers::sqrt3;
-
     void begin_coarse_stage() {
         if (coarse_heading_sigma > 0.0) {
             coarse_.begin();
@@ -159,7 +155,7 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
                                 .velocity = fix.velocity - attitude * fix.velocity_arm,
                                 .position = fix.position - attitude * fix.position_arm};
         Vector<Base::kStates> sigma = this->prior_sigma;
-        sigma.template segment<3>(M::kRotation).setConstant(kUnknown);
+        sigma.template segment<3>(M::kRotation).setConstant(kUnknownAngle);
         sigma.template segment<3>(M::kVelocity) = estimator.model.noise.velocity_sigma;
         sigma.template segment<3>(M::kPosition) = estimator.model.noise.position_sigma;
         know(sigma.cwiseAbs2().asDiagonal());
@@ -174,7 +170,8 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
         const double latitude = mechanisation_.state.position.latitude;
         const double gravity = earth::gravity(latitude, 0.0);
         // At the poles the heading is as uncertain as it can be.
-        const double north_rate = std::max(earth::rate(latitude).y(), this->prior_sigma(M::kGyro) / kUnknown);
+        const double north_rate =
+            std::max(earth::rate(latitude).y(), this->prior_sigma(M::kGyro) / kUnknownAngle);
         Matrix<3, 6> bias;
         bias << -up * east.transpose() / north_rate, skew(up) / gravity;
 

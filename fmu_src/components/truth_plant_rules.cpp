@@ -85,7 +85,7 @@ void check_flight(const Parameters::Motion& motion) {
 }  // namespace
 
 void check_together(const Parameters& parameters) {
-    const auto& [seed, motion, imu, gnss] = parameters;
+    const auto& [motion, imu, gnss, seed] = parameters;
 
     if (motion.kind == MotionKind::ship) {
         check_period("motion.sway.period", motion.sway.period, motion.sway.amplitude, imu.rate);

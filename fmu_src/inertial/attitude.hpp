@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <numbers>
 
 namespace truenorth {
 
@@ -15,6 +16,9 @@ struct EulerAngles {
     double pitch = 0.0;
     double heading = 0.0;
 };
+
+// Sigma of an angle of which nothing is known: uniform on the circle [rad].
+inline constexpr double kUnknownAngle = std::numbers::pi / std::numbers::sqrt3;
 
 // Angle wrapped to [-pi, pi) [rad].
 double wrap_angle(double angle);

@@ -3,8 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
-#include <numbers>
 
+#include "inertial/attitude.hpp"
 #include "inertial/earth.hpp"
 
 namespace truenorth {
@@ -55,8 +55,7 @@ std::optional<VectorAlignment::Solution> VectorAlignment::solve() const {
     const double variance =
         std::max(rounding * rounding, (bb_ - explained * explained / size) / (3.0 * count_ - 7.0));
 
-    // Uniform over all attitudes it would have a sigma of pi / sqrt(3) about each axis.
-    constexpr double nothing_known = 3.0 / (std::numbers::pi * std::numbers::pi);
+    constexpr double nothing_known = 1.0 / (kUnknownAngle * kUnknownAngle);  // about each axis
     const Eigen::Matrix3d R = attitude.toRotationMatrix();
     const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
     const Eigen::Matrix3d information =

@@ -8,7 +8,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
-from sim_scenarios.cosimulation import Progress
+from sim_scenarios.cosimulation import Progress, part_of
 from sim_scenarios.ensemble import FIGURES, Ensemble, Window, ensemble
 from sim_scenarios.papers import OVER, Experiment, Paper, Printed
 
@@ -96,7 +96,6 @@ def reproduce(
 ) -> Iterator[Result]:
     """Run the experiments of a paper, one after another; each is dropped when the next begins."""
     seeds = range(seed, seed + runs)
-    count = len(paper.experiment)
     for i, experiment in enumerate(paper.experiment):
         measured = ensemble(
             pool,
@@ -104,7 +103,7 @@ def reproduce(
             seeds,
             experiment.labels(),
             experiment.set,
-            lambda share, i=i: progress((i + share) / count),  # type: ignore[misc]
+            part_of(progress, i, len(paper.experiment)),
         )
         yield Result(experiment, measured, [beside(table, measured) for table in experiment.table])
 

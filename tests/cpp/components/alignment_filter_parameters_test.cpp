@@ -88,6 +88,11 @@ INSTANTIATE_TEST_SUITE_P(
                          p.error_model = alignment_filter::ErrorModel::euler_platform;
                          p.velocity_form = alignment_filter::VelocityForm::computed_force;
                      }},
+        BadParameter{"velocity_form",
+                     [](Parameters& p) {
+                         p.error_model = alignment_filter::ErrorModel::invariant;
+                         p.velocity_form = alignment_filter::VelocityForm::printed;
+                     }},
         BadParameter{"initial.velocity[2]",
                      [](Parameters& p) {
                          p.error_model = alignment_filter::ErrorModel::euler_platform_small;
