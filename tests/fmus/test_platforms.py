@@ -95,9 +95,7 @@ def test_exports_the_functions_of_the_standard_and_nothing_else(
     if platform is WINDOWS:
         exported = set(re.findall(r"Name: (\w+)", output_of("llvm-readobj", "--coff-exports", library)))
     else:
-        symbols = output_of(
-            "llvm-nm", "-D", "--extern-only", "--defined-only", "--just-symbol-name", library
-        )
+        symbols = output_of("llvm-nm", "-D", "--extern-only", "--defined-only", "--just-symbol-name", library)
         exported = set(symbols.split())
     header = (HEADERS / f"fmi{version(archive)}Functions.h").read_text()
     assert exported == set(re.findall(r"FMI\d_Export fmi\d\w+TYPE\s+(fmi\d\w+);", header))
