@@ -88,7 +88,8 @@ def test_comparison(outliers: xr.Dataset, tmp_path: Path) -> None:
     for row, verdict in zip(rows, verdicts.values(), strict=True):
         assert len(row) == len(heading)
         assert row[1] == f"{verdict.heading_rmse / ARCMIN:.2f}"
-        assert all(f"<td>{cell}</td>" in text for cell in row)
+        cells = [f'<th scope="row">{row[0]}</th>', *(f"<td>{cell}</td>" for cell in row[1:])]
+        assert "".join(cells) in text
     assert (tmp_path / "comparison.png").read_bytes().startswith(PNG)
 
 
