@@ -19,18 +19,19 @@ REJECTED: dict[str, Any] = {"color": ORANGE, "ms": 6, "mew": 1.6, "label": "reje
 def innovations(run: xr.Dataset) -> Figure:
     """Innovation of each channel with its 3 sigma; fixes that were not used stand out."""
     time, used = run["fix_time"].values, run["fix_used"].values
-    channels = measured_channels(run)
+    channels, units = measured_channels(run), run["innovation"].attrs["units"].split()
     with figure(rows=len(channels), height=2.6 * len(channels) + 0.8, sharex=True) as (drawn, axes):
         for i, panel in zip(channels, axes, strict=True):
             value, sigma = run["innovation"].values[:, i], run["innovation_sigma"].values[:, i]
             panel.fill_between(time, -3 * sigma, 3 * sigma, label="3 sigma", **BAND)
             panel.plot(time[used], value[used], ".", **USED)
             panel.plot(time[~used], value[~used], "x", **REJECTED)
-            panel.set_ylabel(f"{NAVIGATION_AXES[i]} [m/s]")
+            unit = units[i] if len(units) > 1 else units[0]  # one for each element, if they differ
+            panel.set_ylabel(f"{NAVIGATION_AXES[i % len(NAVIGATION_AXES)]} [{unit}]")
             settled = time >= time[0] + 0.05 * (time[-1] - time[0])
             limit(panel, max(3.3 * sigma[settled].max(), 1.1 * np.abs(value[settled]).max()), floor=1e-6)
         axes[0].legend(loc="upper right", ncols=3)
-        axes[0].set_title("Innovations of the velocity fixes")
+        axes[0].set_title("Innovations of the fixes")
         axes[-1].set_xlabel("time [s]")
         return drawn
 
@@ -73,7 +74,8 @@ def nis(run: xr.Dataset) -> Figure:
         count = f"{many}" if few == many else f"{few} to {many}"
         each.set_title(f"Normalised innovation squared, {count} channels")
         each.legend(loc="lower right", ncols=2)
-        _draw_running_mean(mean, time[used], value[used], channels[used])
+        counted = used & (channels > 0)  # a coarse stage compares a fix with nothing
+        _draw_running_mean(mean, time[counted], value[counted], channels[counted])
         mean.set_xlabel("time [s]")
         return drawn
 

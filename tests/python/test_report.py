@@ -99,6 +99,14 @@ def test_a_run_with_rejected_fixes_is_drawn(outliers: xr.Dataset, tmp_path: Path
     assert f"{int(run['used_fixes'][-1])}, {int(run['rejected_fixes'][-1])}" in text
 
 
+def test_an_alignment_that_measures_positions_too_is_drawn(fmus: Fmus, tmp_path: Path) -> None:
+    settings = {"duration": 110.0, "evaluation.start": 50.0}
+    run = sim_scenarios.run("any_heading", set=settings, fmus=fmus)
+    assert (run["innovation_sigma"].values > 0).any(axis=0).all()  # three velocities, three positions
+    report_run(run, tmp_path)
+    assert (tmp_path / "innovations.png").read_bytes().startswith(PNG)
+
+
 def test_bound(fmus: Fmus, tmp_path: Path) -> None:
     data = sim_scenarios.bound("turn", fmus=fmus)
     page = report_bound(data, tmp_path)
