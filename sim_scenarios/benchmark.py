@@ -15,6 +15,8 @@ from statistics import median
 from typing import Any
 
 from sim_scenarios import simulation
+from sim_scenarios.cosimulation import FmuSource
+from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.scenario import load_scenario
 
@@ -57,6 +59,8 @@ def shares(name: str, fmus: Fmus) -> dict[str, float]:
     scenario = load_scenario(name, fmus)
     with ExitStack() as stack:
         source, (sink,) = simulation.connect(scenario, fmus, {"filter": scenario.filter}, stack)
+        if not isinstance(source, FmuSource):
+            raise InputError(f"{name}: only a scenario of two FMUs is timed")
         source.instance.step = clock.timed("plant step", source.instance.step)  # type: ignore[method-assign]
         sink.instance.step = clock.timed("filter step", sink.instance.step)  # type: ignore[method-assign]
         source.port.read = clock.timed("get and set", source.port.read)  # type: ignore[method-assign]

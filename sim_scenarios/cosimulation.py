@@ -7,6 +7,8 @@ Gauss-Seidel
     source steps to t + h, filters receive its outputs at t + h, filters step to t + h.
 Jacobi
     filters receive the source's outputs at t, then all step to t + h: the same result, one step late.
+
+A source may itself be two FMUs: a plant, and an alignment that is handed over to navigation.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import Fmu, Variable
+from sim_scenarios.fmus import START, Fmu, Variable
 from sim_scenarios.instance import Instance, Port, Signals
 
 Array = NDArray[np.float64]
@@ -85,12 +87,18 @@ class Source(Protocol):
     def instance(self) -> Instance | None:
         """The FMU behind the signals, if there is one: what it knows besides can be recorded."""
 
+    @property
+    def alignment(self) -> Instance | None:
+        """The alignment that is handed over with the signals, if there is one."""
+
     def advance(self, time: float, step: float) -> None:
         """Go from time to time + step and renew the signals."""
 
 
 class FmuSource:
     """Signals from the outputs of an initialised FMU."""
+
+    alignment = None
 
     def __init__(self, instance: Instance, names: Sequence[str]) -> None:
         self.instance = instance
@@ -116,6 +124,7 @@ class RecordedSource:
     """
 
     instance = None
+    alignment = None
 
     def __init__(self, variables: Sequence[Variable], columns: Mapping[str, NDArray[Any]]) -> None:
         self.signals = Signals(variables)
@@ -152,6 +161,49 @@ class Sink:
         self.instance.step(time, step)
 
 
+class AlignmentSource:
+    """Signals of a plant, and what an alignment that consumes them hands over to navigation.
+
+    Parameters
+    ----------
+    source : FmuSource
+        Plant, with the signals that the alignment consumes.
+    alignment : Sink
+        AlignmentFilter that consumes them, initialised.
+    navigation : Fmu
+        NavigationFilter whose inputs are fed.
+    order : Order
+        Of the steps of plant and alignment.
+    """
+
+    def __init__(self, source: FmuSource, alignment: Sink, navigation: Fmu, order: Order) -> None:
+        self.instance, self.alignment = source.instance, alignment.instance
+        self._source, self._sink, self._late = source, alignment, order is Order.jacobi
+        handed = handed_over(self.alignment.fmu, navigation)
+        sensed = connected(self.instance.fmu.outputs(), navigation)
+        self._ports = Port(self.instance, sensed), Port(self.alignment, list(handed.values()))
+        self.signals = Signals([navigation.variables[name] for name in (*sensed, *handed)])
+        self._renew()
+
+    def advance(self, time: float, step: float) -> None:
+        """Step plant and alignment and read their outputs."""
+        if self._late:
+            self._sink.receive()
+        self._source.advance(time, step)
+        if not self._late:
+            self._sink.receive()
+        self._sink.advance(time, step)
+        self._renew()
+
+    def _renew(self) -> None:
+        """Outputs of the plant and, behind them, of the alignment, into the signals."""
+        for port in self._ports:
+            port.read()
+        for base, buffer in self.signals.buffers.items():
+            parts = [port.signals.buffers[base] for port in self._ports if base in port.signals.buffers]
+            np.concatenate(parts, out=buffer)
+
+
 @dataclass(frozen=True)
 class Recorded:
     """What a simulation recorded.
@@ -166,6 +218,8 @@ class Recorded:
         Outputs of the source's FMU at `time`, by name.
     filters, fixes : list of dict of str to ndarray
         Outputs of each filter by name, periodically and after each fix.
+    alignment : dict of str to ndarray, or None
+        Outputs of the alignment that is handed over, periodically as those of the filters.
     """
 
     time: Array
@@ -173,6 +227,7 @@ class Recorded:
     truth: Columns | None
     filters: list[Columns]
     fixes: list[Columns]
+    alignment: Columns | None = None
 
 
 def connected(source: Iterable[str], sink: Fmu) -> list[str]:
@@ -184,6 +239,20 @@ def connected(source: Iterable[str], sink: Fmu) -> list[str]:
     return signals
 
 
+def handed_over(alignment: Fmu, navigation: Fmu) -> dict[str, str]:
+    """Output of an alignment that goes into each input from which navigation sets out, by that input."""
+    outputs = set(alignment.outputs())
+    handed = {}
+    for name in (name for name in navigation.inputs() if name.startswith(START)):
+        what = name.removeprefix(START)
+        candidates = ("converged",) if what == "valid" else (f"nav.{what}", what)
+        found = [output for output in candidates if output in outputs]
+        if not found:
+            raise InputError(f"{alignment.name} has no output to hand over to {name} of {navigation.name}")
+        handed[name] = found[0]
+    return handed
+
+
 def simulate(
     source: Source,
     sinks: Sequence[Sink],
@@ -192,6 +261,7 @@ def simulate(
     record_every: int,
     source_outputs: Sequence[str] = (),
     fix_outputs: Sequence[str] = (),
+    alignment_outputs: Sequence[str] = (),
     order: Order = Order.gauss_seidel,
     progress: Progress = lambda _: None,
 ) -> Recorded:
@@ -211,6 +281,8 @@ def simulate(
         Outputs of the source's FMU to record.
     fix_outputs : sequence of str
         Outputs of the filters that are recorded at each fix rather than periodically.
+    alignment_outputs : sequence of str
+        Outputs of the source's alignment to record.
     order : Order
         Who steps first.
     progress : callable
@@ -225,9 +297,11 @@ def simulate(
     periodic = [name for name in sinks[0].instance.fmu.outputs() if name not in set(fix_outputs)]
     truth = Table(Port(source.instance, source_outputs), rows) if source.instance else None
     filters = [Table(Port(sink.instance, periodic), rows) for sink in sinks]
+    alignment = Table(Port(source.alignment, alignment_outputs), rows) if source.alignment else None
+    after_step = (*filters, *([alignment] if alignment else []))
     fixes = [Table(Port(sink.instance, fix_outputs), steps) for sink in sinks]
     recorded_at, fixes_at = [float(times[0])], []
-    for table in (*([truth] if truth else []), *filters):
+    for table in (*([truth] if truth else []), *after_step):
         table.append()
 
     (base, counter), (_, fix_time) = source.signals.places["gnss.sample"], source.signals.places["gnss.time"]
@@ -260,7 +334,7 @@ def simulate(
                 table.append()
         if until_row == 0:
             until_row = record_every
-            for table in filters:
+            for table in after_step:
                 table.append()
             progress(len(recorded_at) / rows)
     return Recorded(
@@ -269,4 +343,5 @@ def simulate(
         truth.columns() if truth else None,
         [table.columns() for table in filters],
         [table.columns() for table in fixes],
+        alignment.columns() if alignment else None,
     )

@@ -27,6 +27,9 @@ NAVIGATION_FILTER: Final = "NavigationFilter"
 SIGNALS: Final = ("imu.", "gnss.")
 """Beginnings of the names of inputs that a source of signals feeds; other inputs are set like parameters."""
 
+START: Final = "initial."
+"""Beginning of the names of that from which a filter sets out."""
+
 _INTEGERS: Final = (-(2**31), 2**31 - 1)  # fmi2Integer
 _NUMBER: Final = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _RULE: Final = re.compile(

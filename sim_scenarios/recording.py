@@ -7,6 +7,9 @@ An xarray Dataset with the FMUs' own variable names, in the FMUs' units (SI and 
     dimension `fix`      one row for each fix: innovation, NIS, weights; coordinate `fix_time`
     dimensions `axis3`, ...       components of vectors; `row12`, `column12` of matrices
 
+Of an alignment that is handed over, `alignment.*` (time) are outputs and heading error, and `hand_over_time`
+(filter) is when the filters begin to navigate; what they put out before is no estimate, and its error NaN.
+
 Files are netCDF 3 (CF attributes), which scipy writes and everything reads.
 """
 
@@ -39,6 +42,13 @@ FIX_OUTPUTS: Final = (
 )
 """Outputs of a filter that change with a fix alone."""
 
+ALIGNMENT_OUTPUTS: Final = ("nav.heading", "heading_sigma", "converged", "status")
+"""Outputs that are recorded of an alignment that is handed over."""
+ALIGNMENT: Final = "alignment."
+"""Beginning of their names in a data set."""
+HAND_OVER: Final = "hand_over_time"
+ERRORS: Final = ("attitude_error", "heading_error", "position_error", "velocity_error")
+
 Entry = tuple[tuple[str, ...], NDArray[np.float64], dict[str, str]]
 """A variable of a data set: dimensions, values, attributes."""
 
@@ -48,7 +58,13 @@ def fix_outputs(fmu: Fmu) -> list[str]:
     return [scalar for name in FIX_OUTPUTS for scalar in fmu.arrays.get(name, [])]
 
 
-def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu | None = None) -> xr.Dataset:
+def dataset(
+    recorded: Recorded,
+    labels: list[str],
+    filter_fmu: Fmu,
+    plant: Fmu | None = None,
+    alignment: Fmu | None = None,
+) -> xr.Dataset:
     """Data set of a simulation.
 
     Parameters
@@ -57,7 +73,7 @@ def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu |
         What the simulation left.
     labels : list of str
         One for each filter.
-    filter_fmu, plant : Fmu
+    filter_fmu, plant, alignment : Fmu
         They declare units and descriptions.
 
     Returns
@@ -91,7 +107,38 @@ def dataset(recorded: Recorded, labels: list[str], filter_fmu: Fmu, plant: Fmu |
     if recorded.truth is not None and plant is not None:
         result = result.assign(_arrays(recorded.truth, plant, "time"))
         result = result.assign({**_attitude_errors(result), **_position_and_velocity_errors(result)})
+    if recorded.alignment is not None and alignment is not None:
+        outputs = _arrays(recorded.alignment, alignment, "time")
+        result = result.assign({f"{ALIGNMENT}{name}": values for name, values in outputs.items()})
+        result = _handed_over(result)
     return result
+
+
+def under_way(data: xr.Dataset) -> xr.Dataset:
+    """A run without what precedes the hand-over of an alignment, when no filter has an estimate."""
+    if HAND_OVER not in data:
+        return data
+    rows: xr.Dataset = data.isel(time=data["time"].values >= data[HAND_OVER].min().values)
+    return rows
+
+
+def _handed_over(data: xr.Dataset) -> xr.Dataset:
+    """Data set with the time of the hand-over, without errors of what was put out before, nor its fixes."""
+    has_estimate = data["heading_sigma"] > 0  # a filter that waits for a start has no covariance
+    time = data["time"].where(has_estimate).min("time")
+    time.attrs = {"units": "s", "description": "First recorded time at which the filter navigates"}
+    heading = attitude.wrap(data[f"{ALIGNMENT}nav.heading"].values - data["truth.heading"].values)
+    description = "Heading of the alignment minus true heading"
+    data = data.assign(
+        {
+            HAND_OVER: time,
+            f"{ALIGNMENT}heading_error": ("time", heading, {"units": "rad", "description": description}),
+            **{name: data[name].where(has_estimate) for name in ERRORS},
+        }
+    )
+    seen = ((data["used_fixes"] > 0) | (data["rejected_fixes"] > 0)).any("filter")
+    rows: xr.Dataset = data.isel(fix=seen.values)
+    return rows
 
 
 def _attitude_errors(data: xr.Dataset) -> dict[str, Entry]:

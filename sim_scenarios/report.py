@@ -18,12 +18,13 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from sim_scenarios.html import render
-from sim_scenarios.metrics import Verdict, is_navigation, judge
+from sim_scenarios.metrics import Verdict, hand_over, is_navigation, judge
 from sim_scenarios.metrics.alignment import bound_in_words
 from sim_scenarios.metrics.verdict import UNFIT, status_at_end
 from sim_scenarios.plots import fixes, heading, navigation
 from sim_scenarios.plots.states import states
 from sim_scenarios.plots.style import png
+from sim_scenarios.recording import HAND_OVER, under_way
 from sim_scenarios.units import ARCMIN, DEGREE
 
 Array = NDArray[np.float64]
@@ -31,12 +32,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Drawing:
-    """A picture to draw: its file name, caption, and what a run must have for it."""
+    """A picture to draw: its file name, caption, and what a run must have for it.
+
+    It shows a run from the hand-over of an alignment on; or the whole of it.
+    """
 
     name: str
     caption: str
     draw: Callable[[xr.Dataset], Figure]
-    needs: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ("time",)
+    whole: bool = False
 
 
 _OF_FIXES = ("innovation", "innovation_sigma", "nis", "measurement_weight")
@@ -84,6 +89,14 @@ RUN = (
     *_FIXES,
 )
 NAVIGATION = (
+    Drawing(
+        "hand_over",
+        "Heading error with 3 sigma: the alignment, then the navigation that takes over its attitude, biases "
+        "and covariance; below in arcminutes. The other pictures show the navigation alone.",
+        heading.hand_over,
+        (HAND_OVER,),
+        whole=True,
+    ),
     Drawing(
         "navigation",
         "Magnitude of the errors with 1 sigma of the filter, on the scale of the evaluation window.",
@@ -154,7 +167,7 @@ def report_comparison(runs: xr.Dataset, folder: Path) -> Path:
     count = sum(verdict.ok for verdict in verdicts.values())
     navigating = is_navigation(runs)
     text = f"{count} of {len(verdicts)} filters {'navigated' if navigating else 'converged'}"
-    page = Page(runs.attrs["scenario"], text, None, about_bound(runs), comparison_table(verdicts))
+    page = Page(runs.attrs["scenario"], text, None, comparison_figures(runs), comparison_table(verdicts))
     return _write(runs, NAVIGATION_COMPARISON if navigating else COMPARISON, page, folder)
 
 
@@ -199,6 +212,12 @@ def heading_at_end(run: xr.Dataset) -> dict[str, str]:
 def run_figures(run: xr.Dataset, verdict: Verdict) -> dict[str, str]:
     """Headline figures of a run, with those of the bound."""
     return {**verdict.headline(), **about_bound(run)}
+
+
+def comparison_figures(runs: xr.Dataset) -> dict[str, str]:
+    """Headline figures of a comparison: what all filters have in common."""
+    handed = hand_over.of_run(runs.isel(filter=0))
+    return {**({} if handed is None else handed.headline()), **about_bound(runs)}
 
 
 def about_bound(data: xr.Dataset) -> dict[str, str]:
@@ -263,18 +282,20 @@ def _at_round_times(time: Array, most: int = 12) -> list[int]:
     return [*index.tolist(), len(time) - 1]
 
 
-def _drawable(data: xr.Dataset, drawings: Sequence[Drawing]) -> Iterator[Drawing]:
+def _drawn(data: xr.Dataset, drawings: Sequence[Drawing]) -> Iterator[tuple[Drawing, Figure]]:
     """Drawings whose needs are recorded, with at least one value."""
+    with_estimates = under_way(data)
     for drawing in drawings:
-        if all(name in data and data[name].size > 0 for name in drawing.needs):
-            yield drawing
+        shown = data if drawing.whole else with_estimates
+        if all(name in shown and shown[name].size > 0 for name in drawing.needs):
+            yield drawing, drawing.draw(shown)
 
 
 def _write(data: xr.Dataset, drawings: Sequence[Drawing], page: Page, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     pictures = []
-    for drawing in _drawable(data, drawings):
-        content = png(drawing.draw(data))
+    for drawing, figure in _drawn(data, drawings):
+        content = png(figure)
         (folder / f"{drawing.name}.png").write_bytes(content)
         pictures.append({"name": drawing.name, "caption": drawing.caption, "png": content})
     path = folder / "report.html"

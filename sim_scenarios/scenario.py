@@ -1,10 +1,11 @@
 """Scenario files: what moves, what measures, what filters, how long, and what counts as converged.
 
 A scenario is a TOML file. Parameters of the FMUs stand in its tables `plant` and `filter` under the FMU's own
-names; `filter_fmu` names the filter's FMU, `compare` names variants of the filter. A quantity is a number in
-SI units or a text with one of the display units that the FMU declares for it ("10 deg", "0.05 deg/h",
-"1 mg"). Nothing unknown is accepted. A file that `extends` a shipped scenario states only what differs; its
-table `compare` replaces the whole comparison.
+names; `filter_fmu` names the filter's FMU, `compare` names variants of the filter. A scenario with a table
+`alignment` has an AlignmentFilter with these parameters, which starts from the initial error and hands over
+to its NavigationFilter. A quantity is a number in SI units or a text with one of the display units that the
+FMU declares for it ("10 deg", "0.05 deg/h", "1 mg"). Nothing unknown is accepted. A file that `extends` a
+shipped scenario states only what differs; its table `compare` replaces the whole comparison.
 """
 
 from __future__ import annotations
@@ -26,7 +27,17 @@ from pydantic import (
 
 from sim_scenarios.bounds import Knowledge
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number, Unit, did_you_mean
+from sim_scenarios.fmus import (
+    ALIGNMENT_FILTER,
+    NAVIGATION_FILTER,
+    PLANT,
+    START,
+    Fmu,
+    Fmus,
+    Number,
+    Unit,
+    did_you_mean,
+)
 from sim_scenarios.units import DEGREE
 
 if sys.version_info >= (3, 11):
@@ -45,7 +56,7 @@ EKF_UKF_ROBUST: Final[dict[str, dict[str, Any]]] = {
 
 
 Parts = Mapping[str, Fmu]
-"""The FMUs that a scenario connects, by the table of their parameters: plant, filter."""
+"""The FMUs that a scenario connects, by the table of their parameters: plant, filter, perhaps alignment."""
 
 
 def _quantity(unit: str) -> BeforeValidator:
@@ -91,6 +102,7 @@ Length = Annotated[float, _quantity("m")]
 Time = Annotated[float, _quantity("s")]
 PlantParameters = Annotated[dict[str, Number], _parameters_of("plant")]
 FilterParameters = Annotated[dict[str, Number], _parameters_of("filter")]
+AlignmentParameters = Annotated[dict[str, Number], _parameters_of("alignment")]
 
 
 class Table(BaseModel):
@@ -148,6 +160,7 @@ class Scenario(Table):
     filter_fmu: str = ALIGNMENT_FILTER
     plant: PlantParameters = {}
     filter: FilterParameters = {}
+    alignment: AlignmentParameters | None = None
     compare: dict[str, FilterParameters] = Field(default={})
 
     @model_validator(mode="after")
@@ -167,6 +180,19 @@ class Scenario(Table):
             if limit is not None and limit <= 0:
                 raise InputError(f"evaluation.{name} must be greater than 0")
         return self
+
+    @model_validator(mode="after")
+    def _alignment_fits(self) -> Scenario:
+        given = [name for values in (self.filter, *self.compare.values()) for name in values]
+        if self.alignment is not None and (handed := [name for name in given if name.startswith(START)]):
+            raise InputError(
+                f"filter: {handed[0]} is handed over; the alignment starts from alignment.{START}*"
+            )
+        return self
+
+    def fmu_names(self) -> list[str]:
+        """Names of the FMUs that the scenario connects."""
+        return [PLANT, *([] if self.alignment is None else [ALIGNMENT_FILTER]), self.filter_fmu]
 
     def filters(self) -> dict[str, dict[str, Number]]:
         """Parameters of each filter to compare, by label."""
@@ -197,8 +223,8 @@ def load_scenario(
     seed : int, optional
         Seed of the plant.
     settings : mapping, optional
-        Values by name: an FMU parameter (`imu.gyro.bias`), prefixed with `plant.` or `filter.` where both
-        FMUs have it, or an entry of the scenario (`duration`, `initial_error.misalignment`).
+        Values by name: an FMU parameter (`imu.gyro.bias`), prefixed with `plant.`, `filter.` or `alignment.`
+        where several FMUs have it, or an entry of the scenario (`duration`, `initial_error.misalignment`).
     compare : mapping, optional
         Filters to compare in place of the scenario's: parameters by label.
 
@@ -215,6 +241,12 @@ def load_scenario(
     table.setdefault("compare", EKF_UKF_ROBUST if filter_fmu == ALIGNMENT_FILTER else {})
     try:
         parts = {"plant": fmus.plant, "filter": fmus[filter_fmu]}
+        if "alignment" in table:
+            parts["alignment"] = fmus[ALIGNMENT_FILTER]
+            if filter_fmu != NAVIGATION_FILTER:
+                raise InputError(
+                    f"alignment: is handed over to a {NAVIGATION_FILTER}, and filter_fmu is {filter_fmu}"
+                )
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     unchanged = _check(table, parts, path)
@@ -313,19 +345,17 @@ def _entries(location: tuple[str | int, ...]) -> list[str]:
 
 def _overridden(table: Mapping[str, Any], parts: Parts, settings: Mapping[str, object]) -> dict[str, Any]:
     """Scenario table with settings put where they belong; a filter's parameter goes to every variant."""
-    own = {key: value for key, value in table.items() if key not in ("plant", "filter", "compare")}
-    plant, filter_ = dict(_dotted(table.get("plant", {}))), dict(_dotted(table.get("filter", {})))
+    own = {key: value for key, value in table.items() if key not in (*parts, "compare")}
+    given = {part: dict(_dotted(table.get(part, {}))) for part in parts}
     compare = {label: dict(_dotted(variant)) for label, variant in table["compare"].items()}
     for name, value in settings.items():
         owner, parameter = _owner(name, parts)
-        if owner == "plant":
-            _put(plant, parts["plant"], parameter, value)
-        elif owner == "filter":
-            for values in (filter_, *compare.values()):
-                _put(values, parts["filter"], parameter, value)
+        if owner in parts:
+            for values in (given[owner], *(compare.values() if owner == "filter" else ())):
+                _put(values, parts[owner], parameter, value)
         else:
             own = _with_entry(own, parameter.split("."), value)
-    return {**own, "plant": plant, "filter": filter_, "compare": compare}
+    return {**own, **given, "compare": compare}
 
 
 def _put(values: dict[str, object], fmu: Fmu, name: str, value: object) -> None:
@@ -336,15 +366,19 @@ def _put(values: dict[str, object], fmu: Fmu, name: str, value: object) -> None:
 
 
 def _owner(name: str, parts: Parts) -> tuple[str, str]:
-    """Which part of a scenario a setting belongs to (plant, filter, scenario), and its name there."""
+    """Which part of a scenario a setting belongs to (one of its FMUs, or "scenario"), and its name there."""
     owners = [part for part, fmu in parts.items() if fmu.has_parameter(name)]
     if len(owners) > 1:
-        raise InputError(f"both FMUs have a parameter {name}; say plant.{name} or filter.{name}")
+        all_of_them = "both" if len(owners) == 2 else f"{len(owners)}"
+        choices = " or ".join(f"{owner}.{name}" for owner in owners)
+        raise InputError(f"{all_of_them} FMUs have a parameter {name}; say {choices}")
     if owners:
         return owners[0], name
     prefix, _, rest = name.partition(".")
     if prefix in parts:
         return prefix, rest
+    if prefix == "alignment":
+        raise InputError(f"the setting {name}: the scenario has no table alignment")
     if prefix in Scenario.model_fields and prefix not in ("name", "compare"):
         return "scenario", name
     known = [*(p for fmu in parts.values() for p in fmu.parameter_names()), *Scenario.model_fields]

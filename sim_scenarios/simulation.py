@@ -15,7 +15,18 @@ from numpy.typing import NDArray
 
 from sim_scenarios import attitude, recording
 from sim_scenarios.bounds import POSITION, Knowledge, Trajectory, cramer_rao
-from sim_scenarios.cosimulation import FmuSource, Order, Progress, Recorded, Sink, Table, connected, simulate
+from sim_scenarios.cosimulation import (
+    AlignmentSource,
+    FmuSource,
+    Order,
+    Progress,
+    Recorded,
+    Sink,
+    Source,
+    Table,
+    connected,
+    simulate,
+)
 from sim_scenarios.earth import radii
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number
@@ -182,7 +193,7 @@ def run_filters(
 ) -> xr.Dataset:
     """Run filters, given by label and parameters, on the signals of a scenario."""
     recorded, messages = simulated(scenario, fmus, filters, order, progress)
-    data = recording.dataset(recorded, list(filters), fmus[scenario.filter_fmu], fmus.plant)
+    data = dataset(recorded, scenario, fmus, list(filters))
     data.attrs = attributes(scenario, fmus, messages)
     assert recorded.truth is not None
     trajectory = _trajectory(recorded.time, recorded.truth)
@@ -191,6 +202,12 @@ def run_filters(
     except InputError as error:  # a run is worth having without a bound
         data.attrs["bound.leaves_out"] = f"there is none: {error}"
         return data
+
+
+def dataset(recorded: Recorded, scenario: Scenario, fmus: Fmus, labels: list[str]) -> xr.Dataset:
+    """Data set of what a scenario recorded, without the bound; a label for each filter."""
+    alignment = None if scenario.alignment is None else fmus[ALIGNMENT_FILTER]
+    return recording.dataset(recorded, labels, fmus[scenario.filter_fmu], fmus.plant, alignment)
 
 
 def simulated(
@@ -202,35 +219,51 @@ def simulated(
 ) -> tuple[Recorded, list[Message]]:
     """What plant and filters recorded and said in a scenario."""
     with ExitStack() as stack:
-        source, sinks = connect(scenario, fmus, filters, stack)
+        source, sinks = connect(scenario, fmus, filters, stack, order)
         recorded = record(scenario, fmus, source, sinks, order, progress)
-        instances = (source.instance, *(sink.instance for sink in sinks))
-        return recorded, [message for instance in instances for message in instance.messages]
+        instances = (source.instance, source.alignment, *(sink.instance for sink in sinks))
+        return recorded, [message for instance in instances if instance for message in instance.messages]
 
 
 def connect(
-    scenario: Scenario, fmus: Fmus, filters: Mapping[str, Mapping[str, Number]], stack: ExitStack
-) -> tuple[FmuSource, list[Sink]]:
-    """Plant and filters, initialised and connected; the stack closes them."""
+    scenario: Scenario,
+    fmus: Fmus,
+    filters: Mapping[str, Mapping[str, Number]],
+    stack: ExitStack,
+    order: Order = Order.gauss_seidel,
+) -> tuple[FmuSource | AlignmentSource, list[Sink]]:
+    """Plant and filters, initialised and connected; the stack closes them.
+
+    With an alignment, that is what starts from the truth with the initial error; the filters wait for it.
+    """
+
+    def begun(fmu: Fmu, label: str, values: Mapping[str, Number], source: Source) -> Sink:
+        instance = stack.enter_context(closing(Instance(fmu, label, values)))
+        instance.begin_initialisation(0.0, scenario.duration)
+        sink = Sink(instance, source)
+        sink.receive()
+        instance.finish_initialisation()
+        return sink
+
     filter_fmu = fmus[scenario.filter_fmu]
     plant = start_plant(scenario, fmus, stack)
-    source = FmuSource(plant, connected(fmus.plant.outputs(), filter_fmu))
     start = initial_values(scenario, fmus.plant, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
-    sinks = []
-    for label, values in filters.items():
-        given = filter_values(filter_fmu, start, values)
-        instance = stack.enter_context(closing(Instance(filter_fmu, label, given)))
-        instance.begin_initialisation(0.0, scenario.duration)
-        sinks.append(Sink(instance, source))
-        sinks[-1].receive()
-        instance.finish_initialisation()
-    return source, sinks
+    source: FmuSource | AlignmentSource
+    if scenario.alignment is None:
+        source = FmuSource(plant, connected(fmus.plant.outputs(), filter_fmu))
+        filters = {label: filter_values(filter_fmu, start, values) for label, values in filters.items()}
+    else:
+        fmu = fmus[ALIGNMENT_FILTER]
+        signals = FmuSource(plant, connected(fmus.plant.outputs(), fmu))
+        alignment = begun(fmu, "alignment", filter_values(fmu, start, scenario.alignment), signals)
+        source = AlignmentSource(signals, alignment, filter_fmu, order)
+    return source, [begun(filter_fmu, label, values, source) for label, values in filters.items()]
 
 
 def record(
     scenario: Scenario,
     fmus: Fmus,
-    source: FmuSource,
+    source: Source,
     sinks: Sequence[Sink],
     order: Order = Order.gauss_seidel,
     progress: Progress = lambda _: None,
@@ -243,6 +276,7 @@ def record(
         record_every=_whole(scenario.recording_period, scenario.communication_step, "recording_period"),
         source_outputs=[name for name in fmus.plant.outputs() if name.startswith("truth.")],
         fix_outputs=recording.fix_outputs(fmus[scenario.filter_fmu]),
+        alignment_outputs=recording.ALIGNMENT_OUTPUTS,
         order=order,
         progress=progress,
     )
@@ -256,7 +290,7 @@ def filter_values(
 
 
 def initial_values(scenario: Scenario, plant: Fmu, truth: Mapping[str, Number]) -> dict[str, float]:
-    """What the coarse alignment hands to the filter: the truth with the initial error of the scenario.
+    """What the coarse alignment hands to the first filter: the truth with the initial error of the scenario.
 
     The computed attitude is C_b^{n'} = C_n^{n'}(phi) C_b^n.
     """
@@ -393,6 +427,9 @@ def attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ())
     """What made a data set, and how to judge it."""
     window = scenario.evaluation
     plant, filter_fmu = fmus.plant, fmus[scenario.filter_fmu]
+    settings = {"plant": _readable(scenario.plant, plant), "filter": _readable(scenario.filter, filter_fmu)}
+    if scenario.alignment is not None:
+        settings["alignment"] = _readable(scenario.alignment, fmus[ALIGNMENT_FILTER])
     return {
         "scenario": scenario.name,
         "description": scenario.description,
@@ -405,15 +442,10 @@ def attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ())
         "evaluation.heading_limit": window.heading_limit,
         "evaluation.horizontal_limit": _horizontal_limit(scenario, plant),
         "filter_fmu": scenario.filter_fmu,
-        "settings": json.dumps(
-            {
-                "plant": _readable(scenario.plant, plant),
-                "filter": _readable(scenario.filter, filter_fmu),
-            }
-        ),
+        "settings": json.dumps(settings),
         "filters": json.dumps({k: _readable(v, filter_fmu) for k, v in scenario.filters().items()}),
         "versions": json.dumps(
-            {"truenorth": _version(), **{fmu.name: fmu.guid for fmu in (plant, filter_fmu)}}
+            {"truenorth": _version(), **{name: fmus[name].guid for name in scenario.fmu_names()}}
         ),
         "messages": json.dumps([str(message) for message in messages]),
     }

@@ -209,8 +209,8 @@ def _execute(client: Client, bench: Workbench, report: Report) -> Effort:
 
 def fmu_versions(fmus: Fmus, made: Sequence[Case]) -> dict[str, str]:
     """Hash of every FMU that the cases use, by name."""
-    used = [fmus.plant, *(fmus[name] for name in dict.fromkeys(case.scenario.filter_fmu for case in made))]
-    return {fmu.name: fmu.guid for fmu in used}
+    used = dict.fromkeys(name for case in made for name in case.scenario.fmu_names())
+    return {fmus[name].name: fmus[name].guid for name in used}
 
 
 def _bound(case: Case) -> xr.Dataset:

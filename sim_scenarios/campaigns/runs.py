@@ -19,6 +19,7 @@ from sim_scenarios.container import Container, obstacle
 from sim_scenarios.cosimulation import Master, Recorded
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmu, Fmus, Number
+from sim_scenarios.metrics import hand_over
 from sim_scenarios.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -60,9 +61,7 @@ class Bench:
             data = self._simulated(scenario, filters, self.uses_container(scenario))
         except SimulationError:
             return self._one_by_one(scenario, filters, attributes)
-        data.attrs.update(attributes)
-        values = {label: kept(recording.of_filter(data, label), self._period) for label in filters}
-        return Outcome(dict.fromkeys(filters, State.finished), values)
+        return self._outcome(data, attributes)
 
     def uses_container(self, scenario: Scenario) -> bool:
         """Whether the container does a scenario; refuses what was asked for and cannot be."""
@@ -75,8 +74,21 @@ class Bench:
 
     def _simulated(self, scenario: Scenario, filters: Filters, container: bool) -> xr.Dataset:
         record = self._record_in_container if container else self._record
-        fmu = self.fmus[scenario.filter_fmu]
-        return recording.dataset(record(scenario, filters), list(filters), fmu, self.fmus.plant)
+        return simulation.dataset(record(scenario, filters), scenario, self.fmus, list(filters))
+
+    def _outcome(self, data: xr.Dataset, attributes: Mapping[str, Any]) -> Outcome:
+        """What became of each filter; one that has no start by the evaluation has failed, without figures."""
+        data.attrs.update(attributes)
+        state, values, failures = {}, {}, []
+        for label in map(str, data["filter"].values):
+            one = recording.of_filter(data, label)
+            handed = hand_over.of_run(one)
+            if handed is None or handed.in_time:
+                state[label], values[label] = State.finished, kept(one, self._period)
+            else:
+                state[label] = State.failed
+                failures.append(f"{label}: {handed.failure()}")
+        return Outcome(state, values, "; ".join(failures))
 
     def _record(self, scenario: Scenario, filters: Filters) -> Recorded:
         recorded, _ = simulation.simulated(scenario, self.fmus, filters)
@@ -96,7 +108,9 @@ class Bench:
         )
 
     def _one_by_one(self, scenario: Scenario, filters: Filters, attributes: Mapping[str, Any]) -> Outcome:
-        state, values_kept, failures = {}, {}, []
+        state: dict[str, State] = {}
+        values_kept: dict[str, dict[str, Array]] = {}
+        failures: list[str] = []
         for label, values in filters.items():
             try:
                 data = self._simulated(scenario, {label: values}, container=False)
@@ -104,9 +118,10 @@ class Bench:
                 state[label] = State.failed
                 failures.append(str(error))
             else:
-                data.attrs.update(attributes)
-                state[label] = State.finished
-                values_kept[label] = kept(recording.of_filter(data, label), self._period)
+                one = self._outcome(data, attributes)
+                state |= one.state
+                values_kept |= one.kept
+                failures += [one.failure] if one.failure else []
         return Outcome(state, values_kept, "; ".join(failures))
 
     def _container(self, scenario: Scenario, filters: int) -> Container:
@@ -126,6 +141,8 @@ class Bench:
 
 def why_no_container(scenario: Scenario, fmus: Fmus) -> str | None:
     """Why a container cannot do a scenario; None if it can."""
+    if scenario.alignment is not None:
+        return "the container does not pass an alignment on to navigation"
     rate = float(simulation.parameter(scenario, fmus.plant, "gnss.rate"))
     return obstacle(scenario.recording_period, rate)
 

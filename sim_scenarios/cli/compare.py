@@ -19,6 +19,7 @@ from sim_scenarios.cli.terminal import (
     say_messages,
 )
 from sim_scenarios.errors import InputError
+from sim_scenarios.metrics.verdict import known
 from sim_scenarios.scenario import toml_value
 
 Scenarios = Annotated[
@@ -107,7 +108,7 @@ def _comparison(scenario: str, output: Output, seed: Seed, changed: dict[str, ob
         say_messages(runs)
         print_table(report.comparison_table(verdicts))
         print_notes(runs.attrs["notes"])
-        print_pairs({**report.about_bound(runs), "Report": files["report"]})
+        print_pairs({**report.comparison_figures(runs), "Report": files["report"]})
     return all(verdict.ok for verdict in verdicts.values())
 
 
@@ -133,7 +134,7 @@ def _matrix(
             {
                 name: {
                     "filters": {
-                        label: {**verdict.to_json(), "over_nominal_ekf": table.ratio(name, label)}
+                        label: {**verdict.to_json(), "over_nominal_ekf": known(table.ratio(name, label))}
                         for label, verdict in row.items()
                     },
                     **files[name],

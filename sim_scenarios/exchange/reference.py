@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim_scenarios.cosimulation import Table
+from sim_scenarios.cosimulation import Order, Table
 from sim_scenarios.exchange.system import System
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.instance import Port
@@ -41,27 +41,31 @@ def simulate(scenario: Scenario, fmus: Fmus, system: System) -> dict[str, Result
     every = max(1, round(OUTPUT_INTERVAL / system.step))
     rows = (len(times) - 1) // every + 1
     with ExitStack() as stack:
-        source, (sink,) = connect(scenario, fmus, {system.filter.name: scenario.filter}, stack)
-        signals = Table(Port(source.instance, system.connections), len(times))
-        outputs = {
-            system.plant.name: Table(Port(source.instance, system.plant.outputs), rows),
-            system.filter.name: Table(Port(sink.instance, system.filter.outputs), rows),
-        }
-        for table in (signals, *outputs.values()):
+        source, (sink,) = connect(scenario, fmus, {system.filter.name: scenario.filter}, stack, Order.jacobi)
+        instances = (source.instance, *([source.alignment] if source.alignment else []), sink.instance)
+        by_name = dict(zip((c.name for c in system.components), instances, strict=True))
+        signals = [
+            Table(Port(by_name[c.start], list(c.outputs.values())), len(times)) for c in system.connections
+        ]
+        outputs = {c.name: Table(Port(by_name[c.name], c.outputs), rows) for c in system.components}
+        for table in (*signals, *outputs.values()):
             table.append()
         for step, (time, end) in enumerate(pairwise(times.tolist()), start=1):
             sink.receive()
             source.advance(time, end - time)
             sink.advance(time, end - time)
-            signals.append()
+            for table in signals:
+                table.append()
             if step % every == 0:
                 for table in outputs.values():
                     table.append()
-        inputs = {"time": times, **signals.columns()}
+        inputs: dict[str, dict[str, NDArray[Any]]] = {c.name: {} for c in system.components}
+        for connection, table in zip(system.connections, signals, strict=True):
+            columns = table.columns()
+            inputs[connection.end] |= {name: columns[output] for name, output in connection.outputs.items()}
         shown = {name: {"time": times[::every], **table.columns()} for name, table in outputs.items()}
     return {
-        system.plant.name: Results({}, shown[system.plant.name]),
-        system.filter.name: Results(inputs, shown[system.filter.name]),
+        name: Results({"time": times, **inputs[name]} if inputs[name] else {}, shown[name]) for name in shown
     }
 
 

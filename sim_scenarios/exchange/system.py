@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 
-from sim_scenarios.cosimulation import connected
-from sim_scenarios.fmus import Fmu, Fmus, Number, Variable
+from sim_scenarios.cosimulation import connected, handed_over
+from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number, Variable
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.simulation import TRUTH, filter_values, initial_values, start_plant
 
-PLANT, FILTER = "plant", "filter"
+PLANT, ALIGNMENT, FILTER = "plant", "alignment", "filter"
 SHOWN = ("nav.", "misalignment", "heading_sigma", "converged", "rejected_", "used_fixes", "truth.")
 """Beginnings of the names of outputs that are offered to other tools beside the connected ones."""
 
@@ -68,8 +68,25 @@ class Component:
 
 
 @dataclass(frozen=True)
+class Connection:
+    """Outputs of a component that go into inputs of another.
+
+    Attributes
+    ----------
+    start, end : str
+        Names of the components.
+    outputs : mapping of str to str
+        Output of the one by input of the other, scalars.
+    """
+
+    start: str
+    end: str
+    outputs: Mapping[str, str]
+
+
+@dataclass(frozen=True)
 class System:
-    """A plant and a filter, connected by equal names.
+    """A plant and a filter, connected by equal names; with an alignment between them, which hands over.
 
     Attributes
     ----------
@@ -78,6 +95,8 @@ class System:
     stop, step : float
         End and communication step [s].
     plant, filter : Component
+    alignment : Component or None
+    connections : list of Connection
     """
 
     name: str
@@ -86,21 +105,18 @@ class System:
     step: float
     plant: Component
     filter: Component
+    alignment: Component | None
+    connections: list[Connection]
 
     @property
     def components(self) -> list[Component]:
         """In the order of stepping."""
-        return [self.plant, self.filter]
+        return [self.plant, *([self.alignment] if self.alignment else []), self.filter]
 
     @property
     def enumerations(self) -> list[str]:
         """Enumerations that must be set, which libcosim cannot do."""
         return [name for component in self.components for name in component.enumerations]
-
-    @property
-    def connections(self) -> list[str]:
-        """Names of the scalars that the plant puts out and the filter takes."""
-        return self.filter.inputs
 
     @property
     def units(self) -> dict[str, dict[str, int]]:
@@ -109,12 +125,29 @@ class System:
 
 
 def of_scenario(scenario: Scenario, fmus: Fmus) -> System:
-    """Plant and filter of a scenario; the filter starts from the truth with the scenario's errors."""
+    """FMUs of a scenario; the first filter starts from the truth with the scenario's errors."""
     plant, filter_fmu = fmus.plant, fmus[scenario.filter_fmu]
     with ExitStack() as stack:
         truth = start_plant(scenario, fmus, stack).read(TRUTH)
     start = initial_values(scenario, plant, dict(zip(TRUTH, truth, strict=True)))
     signals = connected(plant.outputs(), filter_fmu)
+    connections = [Connection(PLANT, FILTER, {name: name for name in signals})]
+    alignment, handed = None, {}
+    if scenario.alignment is None:
+        given = filter_values(filter_fmu, start, scenario.filter)
+    else:
+        fmu = fmus[ALIGNMENT_FILTER]
+        sensed, handed = connected(plant.outputs(), fmu), handed_over(fmu, filter_fmu)
+        connections.insert(0, Connection(PLANT, ALIGNMENT, {name: name for name in sensed}))
+        connections.append(Connection(ALIGNMENT, FILTER, handed))
+        alignment = Component(
+            ALIGNMENT,
+            fmu,
+            filter_values(fmu, start, scenario.alignment),
+            sensed,
+            list(dict.fromkeys([*handed.values(), *_shown(fmu)])),
+        )
+        given = {"initial.valid": False, **scenario.filter}
     return System(
         name=scenario.name,
         description=scenario.description,
@@ -124,10 +157,12 @@ def of_scenario(scenario: Scenario, fmus: Fmus) -> System:
         filter=Component(
             FILTER,
             filter_fmu,
-            filter_values(filter_fmu, start, scenario.filter),
-            signals,
+            given,
+            [*signals, *handed],
             _shown(filter_fmu),
         ),
+        alignment=alignment,
+        connections=connections,
     )
 
 

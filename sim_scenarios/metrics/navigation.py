@@ -1,20 +1,33 @@
 """Verdict on integrated navigation: position, velocity, tilt and heading over the evaluation window.
 
 Yardstick is what the receiver alone would give: a filter that knows the horizontal position worse than a
-single fix does has not navigated.
+single fix does has not navigated. Nor has one that waits for an alignment when the window begins.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import nan
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from sim_scenarios.attitude import wrap
+from sim_scenarios.metrics import hand_over
+from sim_scenarios.metrics.hand_over import HandOver
 from sim_scenarios.metrics.statistics import nees_of, rms, within
-from sim_scenarios.metrics.verdict import UNFIT, Rmse, Verdict, of_fixes, status_at_end, window
+from sim_scenarios.metrics.verdict import (
+    UNFIT,
+    Rmse,
+    Verdict,
+    cell,
+    known,
+    of_fixes,
+    status_at_end,
+    window,
+)
+from sim_scenarios.recording import under_way
 from sim_scenarios.units import ARCMIN
 
 
@@ -23,7 +36,7 @@ class NavigationVerdict(Verdict):
     """How well a filter navigated: root mean square errors of a run over the window; SI units.
 
     `ok`: the horizontal RMSE is within the limit, and the filter is neither waiting nor coasting nor faulted
-    at the end.
+    at the end. Errors are NaN if it had no start by the window.
 
     Attributes
     ----------
@@ -41,6 +54,8 @@ class NavigationVerdict(Verdict):
         RMS over the window of the horizontal sigma that the filter claims [m].
     nees : float or None
         Mean over the window, for each state of `statistics.nees_of`; of filters that put out a covariance.
+    hand_over : HandOver or None
+        Of an alignment that precedes.
     """
 
     horizontal: float
@@ -51,6 +66,7 @@ class NavigationVerdict(Verdict):
     limit: float
     horizontal_sigma: float | None
     nees: float | None
+    hand_over: HandOver | None = None
 
     @property
     def rmse(self) -> Rmse:
@@ -59,6 +75,8 @@ class NavigationVerdict(Verdict):
 
     def sentence(self) -> str:
         """The verdict in a sentence."""
+        if self.hand_over is not None and not self.hand_over.in_time:
+            return f"Not navigated: {self.hand_over.failure()}"
         rmse = f"horizontal RMSE {self.horizontal:.2f} m"
         if self.ok:
             return f"Navigated: {rmse} (limit {self.limit:.2f} m), heading {self.yaw / ARCMIN:.2f} arcmin"
@@ -68,9 +86,13 @@ class NavigationVerdict(Verdict):
 
     def headline(self) -> dict[str, str]:
         """Headline figures of a run."""
+        handed = {} if self.hand_over is None else self.hand_over.headline()
+        if self.hand_over is not None and not self.hand_over.in_time:
+            return {**handed, **self._fix_figures()}
         sigma = {} if self.horizontal_sigma is None else {"Filter's own": f"{self.horizontal_sigma:.2f} m"}
         consistency = {} if self.nees is None else {"Mean NEES / states": f"{self.nees:.3f}"}
         return {
+            **handed,
             "Horizontal RMSE": f"{self.horizontal:.2f} m",
             **sigma,
             "Vertical RMSE": f"{self.vertical:.2f} m",
@@ -84,11 +106,11 @@ class NavigationVerdict(Verdict):
     def row(self) -> dict[str, str]:
         """Figures of a line in a comparison."""
         return {
-            "horiz.\n[m]": f"{self.horizontal:.2f}",
-            "vert.\n[m]": f"{self.vertical:.2f}",
-            "veloc.\n[m/s]": f"{self.velocity:.4f}",
-            "tilt\n[']": f"{self.tilt / ARCMIN:.3f}",
-            "head.\n[']": f"{self.yaw / ARCMIN:.3f}",
+            "horiz.\n[m]": cell(self.horizontal, 2),
+            "vert.\n[m]": cell(self.vertical, 2),
+            "veloc.\n[m/s]": cell(self.velocity, 4),
+            "tilt\n[']": cell(self.tilt / ARCMIN, 3),
+            "head.\n[']": cell(self.yaw / ARCMIN, 3),
             "within\nlimit": "yes" if self.ok else "no",
             **self._fix_cells(),
         }
@@ -97,19 +119,38 @@ class NavigationVerdict(Verdict):
         """Figures for machines."""
         return {
             "within_limit": self.ok,
-            "horizontal_rmse_m": self.horizontal,
+            "horizontal_rmse_m": known(self.horizontal),
             "horizontal_limit_m": self.limit,
             "horizontal_sigma_m": self.horizontal_sigma,
-            "vertical_rmse_m": self.vertical,
-            "velocity_rmse_m_per_s": self.velocity,
-            "tilt_rmse_arcmin": self.tilt / ARCMIN,
-            "heading_rmse_arcmin": self.yaw / ARCMIN,
+            "vertical_rmse_m": known(self.vertical),
+            "velocity_rmse_m_per_s": known(self.velocity),
+            "tilt_rmse_arcmin": known(self.tilt / ARCMIN),
+            "heading_rmse_arcmin": known(self.yaw / ARCMIN),
             "nees_per_state": self.nees,
+            **({} if self.hand_over is None else self.hand_over.figures()),
         }
 
 
 def judge(run: xr.Dataset) -> NavigationVerdict:
     """Verdict on the navigation of one filter of a run (a data set of `sim_scenarios.run`)."""
+    handed = hand_over.of_run(run)
+    status, limit = status_at_end(run), float(run.attrs["evaluation.horizontal_limit"])
+    if handed is not None and not handed.in_time:
+        return NavigationVerdict(
+            ok=False,
+            status=status,
+            horizontal=nan,
+            vertical=nan,
+            velocity=nan,
+            tilt=nan,
+            yaw=nan,
+            limit=limit,
+            horizontal_sigma=None,
+            nees=None,
+            hand_over=handed,
+            **of_fixes(run),
+        )
+    run = under_way(run)
     start, stop = window(run)
     time = run["time"].values
 
@@ -117,8 +158,7 @@ def judge(run: xr.Dataset) -> NavigationVerdict:
         return within(time, run[name].values, start, stop)
 
     position, attitude = inside("position_error"), wrap(inside("attitude_error"))
-    horizontal, limit = rms(position[:, :2]), float(run.attrs["evaluation.horizontal_limit"])
-    status = status_at_end(run)
+    horizontal = rms(position[:, :2])
     sigma = rms(inside("position_sigma")[:, :2]) if "position_sigma" in run else None
     return NavigationVerdict(
         ok=bool(horizontal <= limit and status not in UNFIT),
@@ -131,5 +171,6 @@ def judge(run: xr.Dataset) -> NavigationVerdict:
         limit=limit,
         horizontal_sigma=sigma,
         nees=float(np.mean(within(time, nees_of(run), start, stop))) if "covariance" in run else None,
+        hand_over=handed,
         **of_fixes(run),
     )

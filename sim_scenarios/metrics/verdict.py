@@ -93,8 +93,17 @@ class Verdict(ABC):
         }
 
     def _fix_cells(self) -> dict[str, str]:
-        mean = "-" if math.isnan(self.nis.mean) else f"{self.nis.mean:.2f}"
-        return {"NIS /\nchan.": mean, "refused": str(self.rejected_fixes)}
+        return {"NIS /\nchan.": cell(self.nis.mean, 2), "refused": str(self.rejected_fixes)}
+
+
+def known(value: float) -> float | None:
+    """A figure for machines: None where it does not exist."""
+    return None if math.isnan(value) else value
+
+
+def cell(value: float, digits: int) -> str:
+    """A figure in a table."""
+    return "-" if math.isnan(value) else f"{value:.{digits}f}"
 
 
 def window(run: xr.Dataset) -> tuple[float, float]:
@@ -102,9 +111,9 @@ def window(run: xr.Dataset) -> tuple[float, float]:
     return float(run.attrs["evaluation.start"]), float(run.attrs["evaluation.stop"])
 
 
-def status_at_end(run: xr.Dataset) -> str:
-    """Name of the status of the filter at the end."""
-    status = run["status"]
+def status_at_end(run: xr.Dataset, name: str = "status") -> str:
+    """Name of the status of the filter at the end, or of another variable of that kind."""
+    status = run[name]
     names = dict(zip(status.attrs["flag_values"], status.attrs["flag_meanings"].split(), strict=True))
     return str(names[int(status.values[-1])])
 

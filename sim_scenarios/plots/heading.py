@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim_scenarios.plots.style import BAND, BLUE, GREEN, INK, ORANGE, figure, limit, lines, shade_window
+from sim_scenarios.recording import ALIGNMENT, HAND_OVER
 from sim_scenarios.units import ARCMIN, DEGREE
 
 BOUND = "bound.heading_sigma"
@@ -32,6 +33,34 @@ def heading_error(run: xr.Dataset) -> Figure:
         inside = time >= run.attrs["evaluation.start"]
         reach = max(np.abs(error[inside]).max(), 3.3 * sigma[inside].max(), 3.3 * _last_bound(run))
         limit(end, reach / ARCMIN, floor=1.0)
+        end.set_ylabel("arcmin")
+        end.set_xlabel("time [s]")
+        return drawn
+
+
+def hand_over(run: xr.Dataset) -> Figure:
+    """Heading error with 3 sigma of an alignment and of the navigation that it hands over to."""
+    time, start = run["time"].values, float(run[HAND_OVER])
+    navigates = time >= start
+    parts = [("alignment", ORANGE, ~navigates, ALIGNMENT)]
+    if navigates.any():
+        parts.append(("navigation", BLUE, navigates, ""))
+    with figure(rows=2, height=6.2, sharex=True) as (drawn, (whole, end)):
+        for axes, unit in ((whole, DEGREE), (end, ARCMIN)):
+            shade_window(axes, run, "evaluation window")
+            for label, colour, rows, prefix in parts:
+                error, sigma = (run[f"{prefix}heading_{name}"].values[rows] for name in ("error", "sigma"))
+                band = {**BAND, "color": colour, "label": f"3 sigma of the {label}"}
+                axes.fill_between(time[rows], -3 * sigma / unit, 3 * sigma / unit, **band)
+                axes.plot(time[rows], error / unit, color=colour, lw=1.3, label=label)
+            if navigates.any():
+                axes.axvline(start, color=INK, ls=":", lw=1.2, label=f"hand-over at {start:.1f} s")
+        limit(whole, np.abs(run[f"{ALIGNMENT}heading_error"].values).max() / DEGREE, floor=1.0)
+        whole.set_ylabel("deg")
+        whole.set_title("Heading error: estimated minus true, across the hand-over")
+        whole.legend(loc="upper right", ncols=3)
+        row = int(np.argmax(navigates)) if navigates.any() else -1
+        limit(end, 4 * float(run[f"{ALIGNMENT}heading_sigma"].values[row]) / ARCMIN, floor=1.0)
         end.set_ylabel("arcmin")
         end.set_xlabel("time [s]")
         return drawn

@@ -10,6 +10,7 @@ from sim_scenarios.scenario import load_scenario, shipped, toml_value
 from sim_scenarios.units import DEGREE
 
 SHIPPED = {
+    "align_then_navigate",
     "swaying_ship",
     "swaying_ship_printed",
     "waves",
@@ -198,6 +199,69 @@ def test_settings_override_file_and_every_filter(fmus: Fmus) -> None:
 def test_bad_settings_are_refused(fmus: Fmus, settings: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
         load_scenario("swaying_ship", fmus, settings=settings)
+
+
+def test_an_alignment_has_the_parameters_and_units_of_its_fmu(fmus: Fmus) -> None:
+    settings = {
+        "alignment.error_model": "large_azimuth",
+        "alignment.prior.heading_sigma": "20 deg",
+        "filter.prior.position_sigma": 3.0,
+        "process.gyro_bias_random_walk": 1e-9,  # of NavigationFilter alone
+        "velocity_form": "transposed",  # of AlignmentFilter alone
+    }
+    scenario = load_scenario("align_then_navigate", fmus, settings=settings)
+    assert scenario.fmu_names() == ["TruthPlant", "AlignmentFilter", "NavigationFilter"]
+    assert scenario.alignment is not None
+    assert scenario.alignment["error_model"] == 1
+    assert scenario.alignment["prior.heading_sigma"] == pytest.approx(20 * DEGREE)
+    assert scenario.alignment["velocity_form"] == fmus.filter.assignments("velocity_form", "transposed").pop(
+        "velocity_form"
+    )
+    for values in scenario.filters().values():
+        assert values["prior.position_sigma"] == 3.0
+        assert values["process.gyro_bias_random_walk"] == 1e-9
+    assert load_scenario("waves", fmus).alignment is None
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "message"),
+    [
+        (
+            "align_then_navigate",
+            {"corrector": "standard"},
+            "both FMUs have a parameter corrector; say filter.corrector or alignment.corrector",
+        ),
+        (
+            "align_then_navigate",
+            {"gnss.lever_arm": 0.0},
+            "3 FMUs have a parameter gnss.lever_arm; say plant.* or filter.* or alignment.gnss.lever_arm",
+        ),
+        (
+            "align_then_navigate",
+            {"alignment.robust.gama": 2.0},
+            "AlignmentFilter has no parameter .*robust.gamma",
+        ),
+        (
+            "align_then_navigate",
+            {"alignment.prior.heading_sigma": "2 m"},
+            "'2 m' is not in a unit .* rad, deg",
+        ),
+        (
+            "align_then_navigate",
+            {"filter.initial.heading": 1.0},
+            r"filter: initial.heading is handed over; the alignment starts from alignment.initial.\*",
+        ),
+        (
+            "align_then_navigate",
+            {"filter_fmu": "AlignmentFilter"},
+            "alignment: is handed over to a NavigationFilter, and filter_fmu is AlignmentFilter",
+        ),
+        ("swaying_ship", {"alignment.error_model": "invariant"}, "the scenario has no table alignment"),
+    ],
+)
+def test_bad_alignments_are_refused(fmus: Fmus, name: str, settings: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        load_scenario(name, fmus, settings=settings)
 
 
 def test_a_wrong_name_is_answered_with_the_right_one(fmus: Fmus) -> None:
