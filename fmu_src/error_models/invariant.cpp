@@ -102,8 +102,9 @@ Matrix<Invariant<coloured>::kStates> Invariant<coloured>::transition(const State
 }
 
 template <bool coloured>
-Matrix<Invariant<coloured>::kStates> Invariant<coloured>::process_noise(const State& x,
-                                                                        const Interval& interval) const {
+Matrix<Invariant<coloured>::kStates> Invariant<coloured>::carried_covariance(const Matrix<kStates>& P,
+                                                                             const Matrix<kStates>& Phi,
+                                                                             const Interval& interval) const {
     Deviation density = Deviation::Zero();
     const auto set = [&](int first, double value) {
         density.template segment<3>(first).setConstant(value * value);
@@ -117,26 +118,42 @@ Matrix<Invariant<coloured>::kStates> Invariant<coloured>::process_noise(const St
         set(kAccelerometerMarkov,
             noise.accelerometer.sigma * std::sqrt(2.0 / noise.accelerometer.correlation_time));
     }
-    // By Simpson's rule over the time at which the noise arrives: at the start, half-way, at the end. Of the
-    // states beyond the pose each drives itself alone, which spares most of the products.
+    // Noise by Simpson's rule over the time at which it arrives: at the start, with which P goes the whole
+    // way, half-way, at the end. Of the states beyond the pose each drives itself and the pose, no other,
+    // which spares half of the products.
     const Deviation sixth = interval.duration / 6.0 * density;
-    Matrix<kStates> Q = sixth.asDiagonal();
-    const auto arrive = [&Q](const Matrix<kStates>& Phi, const Deviation& variance) {
-        const Matrix<kGyro, kStates> pose = Phi.template topRows<kGyro>();
-        const Matrix<kGyro, kStates> driven = pose * variance.asDiagonal();
-        const Vector<kSensors> sensors = Phi.diagonal().template tail<kSensors>();
-        Q.template topLeftCorner<kGyro, kGyro>() += driven * pose.transpose();
-        Q.template topRightCorner<kGyro, kSensors>() +=
-            driven.template rightCols<kSensors>() * sensors.asDiagonal();
-        Q.diagonal().template tail<kSensors>() +=
-            variance.template tail<kSensors>().cwiseProduct(sensors.cwiseAbs2());
-    };
-    const Matrix<kStates> start = transition(x, interval);
-    arrive(start, sixth);
-    arrive(0.5 * (start + Matrix<kStates>::Identity()), 4.0 * sixth);
-    Q.template bottomLeftCorner<kSensors, kGyro>() = Q.template topRightCorner<kGyro, kSensors>().transpose();
-    symmetrise(Q);
-    return Q;
+    Matrix<kStates> start = P;
+    start.diagonal() += sixth;
+    const Matrix<kGyro, kStates> pose = Phi.template topRows<kGyro>();
+    const Matrix<kGyro, kStates> driven = pose * start;
+    const Vector<kSensors> decay = Phi.diagonal().template tail<kSensors>();
+
+    Matrix<kGyro, kStates> half_way = 0.5 * pose;
+    half_way.diagonal().array() += 0.5;
+    const Vector<kSensors> half_decay = 0.5 * (decay.array() + 1.0);
+    const Matrix<kGyro, kStates> arriving = half_way * (4.0 * sixth).asDiagonal();
+
+    Matrix<kStates> end;
+    end.template topLeftCorner<kGyro, kGyro>() = driven * pose.transpose() + arriving * half_way.transpose();
+    end.template topRightCorner<kGyro, kSensors>() =
+        driven.template rightCols<kSensors>() * decay.asDiagonal();
+    end.template topRightCorner<kGyro, kSensors>() +=
+        arriving.template rightCols<kSensors>() * half_decay.asDiagonal();
+    end.template bottomLeftCorner<kSensors, kGyro>() =
+        end.template topRightCorner<kGyro, kSensors>().transpose();
+    end.template bottomRightCorner<kSensors, kSensors>() =
+        decay.asDiagonal() * start.template bottomRightCorner<kSensors, kSensors>() * decay.asDiagonal();
+    end.diagonal().template tail<kSensors>() +=
+        4.0 * sixth.template tail<kSensors>().cwiseProduct(half_decay.cwiseAbs2());
+    end.diagonal() += sixth;
+    symmetrise(end);
+    return end;
+}
+
+template <bool coloured>
+Matrix<Invariant<coloured>::kStates> Invariant<coloured>::process_noise(const State& x,
+                                                                        const Interval& interval) const {
+    return carried_covariance(Matrix<kStates>::Zero(), transition(x, interval), interval);
 }
 
 template <bool coloured>

@@ -118,7 +118,10 @@ class Invariant {
         x = moved(x, interval);
     }
 
+    [[nodiscard]] State moved(const State& x, const Interval& interval) const;
     [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const;
+    [[nodiscard]] Matrix<kStates> carried_covariance(const Matrix<kStates>& P, const Matrix<kStates>& Phi,
+                                                     const Interval& interval) const;
     [[nodiscard]] Matrix<kStates> process_noise(const State& x, const Interval& interval) const;
 
     [[nodiscard]] static Vector<kMeasurements> residual(const State& x, const Fix& fix);
@@ -161,7 +164,6 @@ class Invariant {
     [[nodiscard]] static Matrix<kStates> navigation_errors(const State& x);
 
   private:
-    [[nodiscard]] State moved(const State& x, const Interval& interval) const;
     [[nodiscard]] static Eigen::Matrix3d body_to_navigation(const State& x, const Fix& fix) {
         return fix.C_en * x.pose.attitude.toRotationMatrix();
     }

@@ -15,8 +15,7 @@ Innovation<M::kStates, M::kMeasurements> innovate_delayed(const M& model, typena
                                                           typename M::Interval since) {
     since.dt = -since.dt;
     const Matrix<M::kStates> back = model.transition(x, since);
-    Points<M::kStates, 1> no_deviation = Points<M::kStates, 1>::Zero();
-    model.propagate(x, no_deviation, since);
+    move(model, x, since);
     return innovate(model, x, P, fix, model.measurement_matrix(x, fix) * back);
 }
 

@@ -7,18 +7,27 @@
 
 namespace truenorth {
 
+// Moves state and covariance over an interval; returns the transition between deviations.
+template <ErrorModel M>
+Matrix<M::kStates> carry(const M& model, typename M::State& state, Matrix<M::kStates>& covariance,
+                         const typename M::Interval& interval) {
+    const Matrix<M::kStates> F = model.transition(state, interval);
+    if constexpr (requires { model.carried_covariance(covariance, F, interval); }) {
+        covariance = model.carried_covariance(covariance, F, interval);
+    } else {
+        covariance = F * covariance * F.transpose() + model.process_noise(state, interval);
+        symmetrise(covariance);
+    }
+    move(model, state, interval);
+    return F;
+}
+
 class Linearised {
   public:
     template <ErrorModel M>
     Prediction predict(const M& model, typename M::State& state, Matrix<M::kStates>& covariance,
                        const typename M::Interval& interval) const {
-        constexpr int n = M::kStates;
-        const Matrix<n> F = model.transition(state, interval);
-        const Matrix<n> Q = model.process_noise(state, interval);
-        Points<n, 1> no_deviation = Points<n, 1>::Zero();
-        model.propagate(state, no_deviation, interval);
-        covariance = F * covariance * F.transpose() + Q;
-        symmetrise(covariance);
+        carry(model, state, covariance, interval);
         return covariance.allFinite() ? Prediction::sound : Prediction::failed;
     }
 

@@ -32,6 +32,21 @@ concept ErrorModel = requires(const M& model, typename M::State& state, const ty
     { model.measurement_noise(x, fix) } -> std::convertible_to<Matrix<M::kMeasurements>>;
 };
 
+// A model may offer besides, where its structure spares work:
+//
+//   moved(x, interval)         the state x at the end of the interval
+//   carried_covariance(P, F, interval)  F P F^T + process_noise, with its transition F
+//
+template <ErrorModel M>
+void move(const M& model, typename M::State& state, const typename M::Interval& interval) {
+    if constexpr (requires { model.moved(state, interval); }) {
+        state = model.moved(state, interval);
+    } else {
+        Points<M::kStates, 1> no_deviation = Points<M::kStates, 1>::Zero();
+        model.propagate(state, no_deviation, interval);
+    }
+}
+
 // A model whose measurement is not linear in the deviation offers this besides, for sigma points:
 //
 //   predicted(x, D, fix)       the deviation of the predicted measurement of retract(x, d) from that of x,

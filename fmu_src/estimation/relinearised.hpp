@@ -6,7 +6,7 @@
 // Gauss-Newton step on all of its fixes together, right for a prior of any width.
 #pragma once
 
-#include "estimation/model.hpp"
+#include "estimation/linearised.hpp"
 
 namespace truenorth {
 
@@ -29,12 +29,8 @@ void filter_along_trajectory(const M& model, typename M::State& state, Matrix<M:
                              const Epochs& epochs, const Correct& correct) {
     Vector<M::kStates> deviation = Vector<M::kStates>::Zero();
     for (const Epoch<M>& epoch : epochs) {
-        const Matrix<M::kStates> F = model.transition(state, epoch.interval);
-        covariance = F * covariance * F.transpose() + model.process_noise(state, epoch.interval);
-        symmetrise(covariance);
+        const Matrix<M::kStates> F = carry(model, state, covariance, epoch.interval);
         deviation = (F * deviation).eval();
-        Points<M::kStates, 1> centre = Points<M::kStates, 1>::Zero();
-        model.propagate(state, centre, epoch.interval);
 
         auto innovation = innovate(model, state, covariance, epoch.fix);
         innovation.residual -= model.measurement_matrix(state, epoch.fix) * deviation;

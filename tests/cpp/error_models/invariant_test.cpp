@@ -186,6 +186,23 @@ TYPED_TEST(InvariantModel, PropagateAppliesTheTransitionToEveryDeviation) {
     EXPECT_LT((deviations - expected).norm(), 1e-14);
 }
 
+TYPED_TEST(InvariantModel, CarriesACovarianceAsTransitionAndProcessNoiseDo) {
+    constexpr int n = TypeParam::kStates;
+    const auto x = this->random_state();
+    const Preintegration interval = preintegrated(1, 101);
+    const Matrix<n> F = this->model.transition(x, interval);
+    Matrix<n> root = Matrix<n>::Zero();
+    for (int i = 0; i < n; ++i) {
+        root.col(i) = this->random_deviation();
+    }
+    const Matrix<n> P = root * root.transpose();
+    const Matrix<n> expected = F * P * F.transpose() + this->model.process_noise(x, interval);
+    const Matrix<n> carried = this->model.carried_covariance(P, F, interval);
+    const Vector<n> unit = expected.diagonal().cwiseSqrt().cwiseInverse();
+    EXPECT_LT((unit.asDiagonal() * (carried - expected) * unit.asDiagonal()).cwiseAbs().maxCoeff(), 1e-13);
+    EXPECT_EQ(carried, carried.transpose());
+}
+
 TYPED_TEST(InvariantModel, ProcessNoiseIsTheSumOverShortIntervals) {
     constexpr int n = TestFixture::n;
     const auto x = this->random_state();
