@@ -232,11 +232,6 @@ class Declaration(Fragment):
         used = {unit for variable in self.variable for unit in variable.units}
         return {name: unit for name, unit in UNITS.items() if name in used}
 
-    def display_units(self, unit: str) -> dict[str, float]:
-        """Display units in use for `unit`, with their factors."""
-        used = {variable.display_unit for variable in self.variable if unit in variable.units}
-        return {name: factor for name, factor in UNITS[unit].display.items() if name in used}
-
     def known_at_start(self) -> list[Variable]:
         """Parameters and inputs on which outputs depend in initialisation."""
         return [v for v in self.variable if v.causality in ("parameter", "tunable") or v.at_start]

@@ -40,6 +40,10 @@ UNITS: dict[str, Unit] = {
     "rad": Unit("Angle", {"rad": 1}, {"deg": _DEGREE, "arcmin": 60 * _DEGREE, "arcsec": 3600 * _DEGREE}),
     "rad/s": Unit("AngularVelocity", {"rad": 1, "s": -1}, {"deg/s": _DEGREE, "deg/h": 3600 * _DEGREE}),
     "rad/s2": Unit("AngularAcceleration", {"rad": 1, "s": -2}, {"deg/s2": _DEGREE}),
-    "rad/s^0.5": Unit("AngleRandomWalk", None, {"deg/h^0.5": 60 * _DEGREE}),
+    "rad/s^0.5": Unit(
+        "AngleRandomWalk",
+        None,
+        {"deg/h^0.5": 60 * _DEGREE, "deg/s/Hz^0.5": _DEGREE, "deg/h/Hz^0.5": 3600 * _DEGREE},
+    ),
     "rad/s^1.5": Unit("RateRandomWalk", None),
 }

@@ -14,11 +14,11 @@ void FilterStatus::use_fix(double time) {
     used_ = true;
 }
 
-FilterStatus::State FilterStatus::judge(double now, bool sensing, bool coarse, double heading_sigma,
-                                        const Rules& rules) {
-    const bool waits = !sensing || !used_;
+FilterStatus::State FilterStatus::judge(double now, const Evidence& evidence, const Rules& rules) {
+    const bool waits = !evidence.sensing || !used_;
     const bool coasts = since_fix(now) > rules.coasting_delay;
-    if (faulted_ || waits || coasts || coarse || heading_sigma >= rules.heading_sigma) {
+    const bool believable = !faulted_ && !waits && !coasts && !evidence.coarse && evidence.consistent;
+    if (!believable || evidence.heading_sigma >= rules.heading_sigma) {
         below_since_ = std::numeric_limits<double>::quiet_NaN();
     } else if (std::isnan(below_since_)) {
         below_since_ = now;
@@ -32,8 +32,11 @@ FilterStatus::State FilterStatus::judge(double now, bool sensing, bool coarse, d
     if (coasts) {
         return State::coasting;
     }
-    if (coarse) {
+    if (evidence.coarse) {
         return State::coarse;
+    }
+    if (!evidence.consistent) {
+        return State::inconsistent;
     }
     return now - below_since_ >= rules.hold_time ? State::converged : State::aligning;
 }

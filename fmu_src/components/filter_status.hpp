@@ -1,4 +1,5 @@
-// What an inertial filter is doing: waiting, aligning, coarsely or not, converged, coasting or faulted.
+// What an inertial filter is doing: waiting, aligning, coarsely or not, converged, inconsistent, coasting or
+// faulted.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +10,27 @@ namespace truenorth {
 class FilterStatus {
   public:
     // Numbered as the items of the enumeration Status of the interface.
-    enum class State : std::uint8_t { waiting = 1, aligning, converged, coasting, faulted, coarse };
+    enum class State : std::uint8_t {
+        waiting = 1,
+        aligning,
+        converged,
+        coasting,
+        faulted,
+        coarse,
+        inconsistent
+    };
 
     struct Rules {
         double heading_sigma;   // below it the heading may count as converged [rad]
         double hold_time;       // when it has stayed so for this long [s]
         double coasting_delay;  // without a fix for longer, the filter coasts [s]
+    };
+
+    struct Evidence {
+        bool sensing;          // an IMU sample has been accepted
+        bool coarse;           // the attitude is not the filter's yet
+        bool consistent;       // the innovations of late agree with their covariance
+        double heading_sigma;  // [rad]
     };
 
     void start(double time);
@@ -29,9 +45,8 @@ class FilterStatus {
     // Since the last fix used, or the start [s].
     [[nodiscard]] double since_fix(double now) const { return now - last_use_; }
 
-    // `sensing`: an IMU sample has been accepted; `coarse`: the attitude is not the filter's yet. Call after
-    // every step.
-    State judge(double now, bool sensing, bool coarse, double heading_sigma, const Rules& rules);
+    // Call after every step.
+    State judge(double now, const Evidence& evidence, const Rules& rules);
 
     template <class Archive>
     void serialize(Archive& archive) {
@@ -40,7 +55,7 @@ class FilterStatus {
 
   private:
     double last_use_ = 0.0;  // time of the last fix used, or the start [s]
-    // Since when the heading is good enough and fixes confirm it [s]; NaN: it is not.
+    // Since when the heading is good enough and the fixes confirm it [s]; NaN: it is not.
     double below_since_ = std::numeric_limits<double>::quiet_NaN();
     bool used_ = false;
     bool faulted_ = false;

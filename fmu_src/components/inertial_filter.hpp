@@ -21,6 +21,7 @@
 #include "components/log.hpp"
 #include "components/navigation_engine.hpp"
 #include "components/serialisation.hpp"
+#include "estimation/nis_window.hpp"
 
 namespace truenorth {
 
@@ -38,8 +39,8 @@ class InertialFilter {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(parameters, inputs, outputs, imu_, gnss_, history_, travelled_, status_, under_way_,
-                told_long_interval_);
+        archive(parameters, inputs, outputs, imu_, gnss_, history_, travelled_, status_, nis_window_,
+                under_way_, told_long_interval_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
             configure_engine();
@@ -93,6 +94,7 @@ class InertialFilter {
     AntennaHistory history_;
     IntervalAverage travelled_;  // running sum since the start
     FilterStatus status_;
+    NisWindow nis_window_;
     bool under_way_ = false;
     bool told_long_interval_ = false;
     std::variant<Engines...> engine_;

@@ -87,13 +87,14 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const GnssFix& fi
             return;
         }
     }
+    double blamed = 1.0;
     auto innovation = engine.innovate(seen, measured);
     auto correction = engine.corrector.correct(engine.estimator.covariance, innovation);
     if (innovation.channels() > 0 && engine.corrector.out_of_patience()) {
         const double alpha = reconcile(engine, seen, measured);
         innovation = engine.innovate(seen, measured);
         correction = engine.corrector.correct(engine.estimator.covariance, innovation);
-        correction.alpha *= alpha;
+        blamed = alpha;
     }
     publish_innovation<Where>(outputs, innovation);
     if (!correction.used()) {
@@ -106,6 +107,9 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const GnssFix& fi
         return;
     }
     status_.use_fix(imu_.time());
+    const auto used = as_used(innovation, correction);
+    nis_window_.add(imu_.time(), nis(used), used.channels());
+    correction.alpha *= blamed;
     const bool robust = parameters.corrector == decltype(parameters.corrector)::h_infinity;
     publish_correction<Where>(outputs, correction, robust);
     if (!correction.feasible) {

@@ -53,6 +53,7 @@ void InertialFilter<Interface, Engines...>::choose_model() {
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::configure_engine() {
     std::visit([this](auto& engine) { configure(engine, parameters); }, engine_);
+    nis_window_.length = parameters.consistency.window;
 }
 
 template <class Interface, class... Engines>
@@ -76,6 +77,7 @@ template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     std::visit([&](auto& engine) { engine.start(start); }, engine_);
     history_.push(antenna());
+    nis_window_.restart();
     status_.start(imu_.time());  // which may be long after that of the component
     under_way_ = true;
 }
@@ -149,6 +151,7 @@ void InertialFilter<Interface, Engines...>::take_sample() {
         [&](auto& engine) {
             if (verdict == ImuInput::Verdict::resumed) {
                 engine.forget();
+                nis_window_.restart();
                 history_ = AntennaHistory{};
             }
             const NavigationState before = engine.mechanisation().state;
@@ -245,14 +248,26 @@ template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish_status() {
     const double now = imu_.time();
     const bool coarse = std::visit([](const auto& engine) { return engine.is_coarse(); }, engine_);
-    const auto state = status_.judge(now, imu_.any(), coarse, outputs.heading_sigma,
+    outputs.nis_mean = nis_window_.mean(now);
+    const auto state = status_.judge(now,
+                                     {.sensing = imu_.any(),
+                                      .coarse = coarse,
+                                      .consistent = nis_window_.deviate(now) <= parameters.consistency.limit,
+                                      .heading_sigma = outputs.heading_sigma},
                                      {.heading_sigma = parameters.convergence.heading_sigma,
                                       .hold_time = parameters.convergence.hold_time,
                                       .coasting_delay = parameters.coasting.delay});
+    const auto was = static_cast<FilterStatus::State>(outputs.status);
     outputs.status = static_cast<typename Interface::Status>(state);
-    const bool was_converged = outputs.converged;
     outputs.converged = state == FilterStatus::State::converged;
-    if (outputs.converged != was_converged && log_->listens()) {
+    if (state == was || !log_->listens()) {
+        return;
+    }
+    if (state == FilterStatus::State::inconsistent) {
+        log_->event(text("innovations contradict their covariance at ", now, " s: nis_mean is ",
+                         outputs.nis_mean, " (consistency.limit)"));
+    }
+    if (outputs.converged || was == FilterStatus::State::converged) {
         log_->event(text(outputs.converged ? "converged" : "no longer converged", " at ", now, " s"));
     }
 }

@@ -71,6 +71,21 @@ struct Correction {
     [[nodiscard]] bool used() const { return (weight.array() > 0.0).any(); }
 };
 
+// The innovation as the correction used it: with its R and its alpha, without the channels that lost their
+// weight.
+template <int N, int M>
+Innovation<N, M> as_used(Innovation<N, M> innovation, const Correction<N, M>& correction) {
+    innovation.spread /= correction.alpha;
+    innovation.cross /= correction.alpha;
+    innovation.noise = correction.noise;
+    for (int i = 0; i < M; ++i) {
+        if (correction.weight(i) == 0.0) {
+            innovation.remove(i);
+        }
+    }
+    return innovation;
+}
+
 // A + factor sum_k x_k x_k^T over the columns of X, for symmetric A: exactly symmetric, and twice as fast as
 // the general product at these sizes.
 template <int N, class Set>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <Eigen/Cholesky>
-#include <cmath>
 
+#include "estimation/chi_square.hpp"
 #include "estimation/gaussian.hpp"
 
 namespace truenorth {
@@ -25,20 +25,13 @@ struct InnovationGate {
         return !enabled || nis(innovation) <= threshold_for(innovation.channels());
     }
 
-    // The threshold of the same confidence for any number of channels: the cube root of chi-square per degree
-    // of freedom is nearly normal, of mean 1 - v and variance v = 2 / (9 channels) (Wilson and Hilferty).
+    // The threshold of the same confidence for any number of channels.
     [[nodiscard]] double threshold_for(int channels) const {
         if (channels == 2 || channels == 0) {
             return threshold;
         }
-        const double quantile =
-            (std::cbrt(threshold / 2.0) - (1.0 - kVarianceOfTwo)) / std::sqrt(kVarianceOfTwo);
-        const double v = 2.0 / (9.0 * channels);
-        return channels * std::pow(1.0 - v + quantile * std::sqrt(v), 3);
+        return chi_square_beyond(normal_deviate(threshold, 2), channels);
     }
-
-  private:
-    static constexpr double kVarianceOfTwo = 2.0 / 18.0;
 };
 
 }  // namespace truenorth

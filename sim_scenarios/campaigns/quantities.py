@@ -56,6 +56,11 @@ FIGURES: Final[Mapping[str, tuple[str, str]]] = {
     "heading_sigma_rms": ("rad", "Sigma of the heading that the filter claims: RMS over the window"),
     "convergence_time": ("s", "Time from which the error that counts stays within its limit"),
     "claimed_time": ("s", "Time from which the filter reports convergence until the end"),
+    "claimed_deviation": (
+        "1",
+        "Size of the heading error in sigmas of the filter when it first reports convergence",
+    ),
+    "largest_claimed_deviation": ("1", "The largest of it while the filter reports convergence"),
     "nis_sum": ("1", "Normalised innovations squared of the fixes used in the window, summed"),
     "nis_channels_sum": ("1", "Channels of those fixes"),
     "used_fixes": ("1", "Fixes that corrected the estimate"),
@@ -134,13 +139,17 @@ def _figures(run: xr.Dataset, errors: Mapping[str, Array]) -> dict[str, Array]:
         float(run.attrs[f"evaluation.{key}"]) for key in ("start", "stop", f"{counting}_limit")
     )
     time, verdict = run["time"].values, judge(run)
+    converged = run["converged"].values
+    deviation = np.abs(errors["heading"][converged]) / run["heading_sigma"].values[converged]
     fixes = run["fix_used"].values & (run["fix_time"].values >= start) & (run["fix_time"].values <= stop)
     figures = {
         **{f"{name}_rmse": rms(within(time, values, start, stop)) for name, values in errors.items()},
         "heading_end": errors["heading"][-1],
         "heading_sigma_rms": rms(within(time, run["heading_sigma"].values, start, stop)),
         "convergence_time": _time(holds_since(time, np.abs(errors[counting]) <= limit)),
-        "claimed_time": _time(holds_since(time, run["converged"].values)),
+        "claimed_time": _time(holds_since(time, converged)),
+        "claimed_deviation": deviation[0] if converged.any() else np.nan,
+        "largest_claimed_deviation": deviation.max() if converged.any() else np.nan,
         "nis_sum": run["nis"].values[fixes].sum(),
         "nis_channels_sum": is_measured(run)[fixes].sum(),
         "used_fixes": verdict.used_fixes,

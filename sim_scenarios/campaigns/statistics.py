@@ -33,6 +33,8 @@ from sim_scenarios.metrics.statistics import CONFIDENCE, chi_square_interval
 Array = NDArray[np.float64]
 
 PERCENTILES: Final = (50.0, 90.0)
+WRONG: Final = 3.0
+"""Sigmas of the heading error beyond which a report of convergence was wrong."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,10 @@ class Summary:
     convergence : tuple of float
         Median and 90th percentile of the time from which the error that counts stays within its limit [s]; a
         run that never does counts as later than all others, and NaN as never.
+    wrong_claims : Estimate
+        Share of the runs that report convergence whose heading error is then beyond `WRONG` sigmas.
+    claims : int
+        Runs that ever report convergence.
     nis : Estimate
         Mean for each channel over the window of all runs; the interval is that of a consistent filter.
     nees : Estimate
@@ -104,6 +110,8 @@ class Summary:
     to_bound: Estimate
     ratio: Estimate
     convergence: tuple[float, float]
+    wrong_claims: Estimate
+    claims: int
     nis: Estimate
     nees: Estimate
     each: Array
@@ -228,6 +236,8 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
     runs = int(finished.sum()) + stopped
     each = one[f"{counting}_rmse"].values[finished]
     times = np.sort(np.nan_to_num(one["convergence_time"].values[finished], nan=np.inf))
+    deviation = one["claimed_deviation"].values[finished]
+    claims = int(np.isfinite(deviation).sum())
     return {
         "runs": runs,
         "stopped": stopped,
@@ -235,6 +245,8 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
         "rmse": {name: root_mean_square(one[f"{name}_rmse"].values[finished]) for name in ERRORS},
         "to_bound": root_mean_square(each / float(one[f"{counting}_bound_rms"])),
         "convergence": (_order(times, 0.5), _order(times, 0.9)),
+        "wrong_claims": _share(int((deviation > WRONG).sum()), claims),
+        "claims": claims,
         "nis": _consistency(one["nis_sum"].values[finished], one["nis_channels_sum"].values[finished]),
         "each": each,
     }
@@ -276,6 +288,8 @@ def _log_interval(value: float, influence: Array) -> Estimate:
 
 
 def _share(events: int, count: int) -> Estimate:
+    if count == 0:
+        return Estimate(np.nan, np.nan, np.nan)
     interval = binomtest(events, count).proportion_ci(CONFIDENCE, method="exact")
     return Estimate(events / count, float(interval.low), float(interval.high))
 

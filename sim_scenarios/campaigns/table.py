@@ -28,6 +28,7 @@ def figures(case: CaseSummary) -> Rows:
             f"/ {case.reference}\n(95 %)",
             "failed\nruns",
             "within\nlimit [s]",
+            "wrongly\nconverged",
             "NIS /\nchannel",
             "NEES at\nthe end",
         ]
@@ -43,6 +44,7 @@ def figures(case: CaseSummary) -> Rows:
                 "1" if label == case.reference else f"{number(one.ratio.value)} ({_span(one.ratio)})",
                 f"{round(one.failures.value * one.runs)} / {one.runs}",
                 number(one.convergence[0], "never"),
+                f"{round(one.wrong_claims.value * one.claims)} / {one.claims}" if one.claims else "-",
                 _consistency(one.nis),
                 _consistency(one.nees),
             ]
@@ -103,6 +105,8 @@ def for_machines(case: CaseSummary) -> dict[str, Any]:
                 "ratio_to_reference": _estimate(one.ratio),
                 "convergence_median": json_number(one.convergence[0]),
                 "convergence_90_percent": json_number(one.convergence[1]),
+                "claims": one.claims,
+                "wrong_claims": _estimate(one.wrong_claims),
                 "nis": _estimate(one.nis),
                 "nees_at_the_end": _estimate(one.nees),
             }

@@ -19,7 +19,7 @@ class AlignmentVerdict(Verdict):
     """How well a filter aligned; SI units, None where a figure does not exist.
 
     `ok`: the RMSE of the heading over the evaluation window and its error at the end are within the limit,
-    and the filter is neither waiting nor coasting nor faulted at the end.
+    and the status of the end is none of `UNFIT`.
 
     Attributes
     ----------

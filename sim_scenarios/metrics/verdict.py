@@ -11,7 +11,7 @@ import xarray as xr
 
 from sim_scenarios.metrics.statistics import NisStatistics, is_measured, nis_statistics
 
-UNFIT: Final = ("waiting", "coasting", "faulted")
+UNFIT: Final = ("waiting", "coasting", "faulted", "coarse", "inconsistent")
 """Status of a filter whose estimate is not to be relied on, however small its error."""
 
 

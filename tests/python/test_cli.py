@@ -229,26 +229,14 @@ def test_figures_stay_whole_at_80_columns(capsys: pytest.CaptureFixture[str]) ->
     assert any(all(cell in line for cell in cells) for line in lines)
 
 
-@pytest.mark.parametrize(("imported", "delay"), [("typer", 0.0), ("sim_scenarios.cli.application", 1.5)])
-def test_an_interruption_ends_in_one_line(tmp_path: Path, imported: str, delay: float) -> None:
+@pytest.mark.parametrize("delay", [0.3, 1.5])
+def test_an_interruption_ends_in_one_line(tmp_path: Path, delay: float) -> None:
     """While modules are imported, and in the midst of a run."""
-    python = [sys.executable, "-X", "importtime"]  # says on stderr what has been imported
-    command = [
-        "-m",
-        "sim_scenarios.cli",
-        "run",
-        "swaying_ship",
-        "--set",
-        "duration=100000",
-        "-o",
-        str(tmp_path),
-    ]
-    with subprocess.Popen([*python, *command], stderr=subprocess.PIPE, text=True) as process:
-        assert process.stderr is not None
-        assert any(line.split()[-1] == imported for line in process.stderr)
+    command = [sys.executable, "-m", "sim_scenarios.cli", "run", "swaying_ship", "--set", "duration=100000"]
+    with subprocess.Popen([*command, "-o", str(tmp_path)], stderr=subprocess.PIPE, text=True) as process:
         time.sleep(delay)
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=60)
+        _, said = process.communicate(timeout=30)
     assert process.returncode == 130
     assert said.splitlines()[-1] == "truenorth: interrupted"
     assert "Traceback" not in said

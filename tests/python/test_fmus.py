@@ -81,6 +81,10 @@ def test_quantities_of_the_fmus(fmus: Fmus) -> None:
         ("plant", "imu.accelerometer.bias_sigma", "1 mg"): 9.80665e-3,
         ("plant", "imu.accelerometer.white_noise", "50 ug/Hz^0.5"): 50e-6 * 9.80665,
         ("filter", "process.angle_random_walk", "0.005 deg/h^0.5"): 0.005 / 57.29577951308232 / hour**0.5,
+        # 0.005 deg/h^0.5 as a density (IEEE Std 952): a sixtieth of 0.3 (deg/h)/Hz^0.5.
+        ("filter", "process.angle_random_walk", "0.3 deg/h/Hz^0.5"): 0.005 / 57.29577951308232 / hour**0.5,
+        ("filter", "process.angle_random_walk", "0.01 deg/s/Hz^0.5"): 0.6 / 57.29577951308232 / hour**0.5,
+        ("filter", "process.velocity_random_walk", "0.03 m/s/h^0.5"): 0.03 / hour**0.5,
         ("filter", "prior.heading_sigma", "10 deg"): 10 / 57.29577951308232,
     }
     for (which, name, text), value in expected.items():

@@ -133,6 +133,38 @@ TEST(AlignmentFilterGate, RejectsAnOutlierAndSaysSo) {
     EXPECT_GT(open.filter.outputs.nav.velocity.x(), fed.filter.outputs.nav.velocity.x() + 0.1);
 }
 
+TEST(AlignmentFilterConsistency, IsContradictedByGrossErrorsUntilTheyAreOutOfTheWindow) {
+    // Without a gate, 2 m/s in every third fix of a minute.
+    Trial run;
+    run.fix_noise = [](int second) {
+        return Vector3d(second > 300 && second <= 360 && second % 3 == 0 ? 2.0 : 0.0, 0.0, 0.0);
+    };
+    using Status = alignment_filter::Status;
+    FedFilter fed;
+    fed.filter.parameters.gate.enabled = false;
+    run.seconds(fed, 300.0);
+    ASSERT_EQ(fed.filter.outputs.status, Status::converged);
+    EXPECT_LT(fed.filter.outputs.nis_mean, 1.0);
+    run.advance(fed, 300 * kRate, 360 * kRate);
+    EXPECT_EQ(fed.filter.outputs.status, Status::inconsistent);
+    EXPECT_GT(fed.filter.outputs.nis_mean, 10.0);
+    EXPECT_FALSE(fed.filter.outputs.converged);
+    EXPECT_EQ(fed.log.with("no longer converged"), 1);
+    EXPECT_EQ(fed.log.with("innovations contradict"), 1);
+    run.advance(fed, 360 * kRate, 600 * kRate);
+    EXPECT_EQ(fed.filter.outputs.status, Status::converged);
+
+    FedFilter gated;
+    run.seconds(gated, 360.0);
+    EXPECT_EQ(gated.filter.outputs.status, Status::converged);
+
+    FedFilter unlimited;
+    unlimited.filter.parameters.gate.enabled = false;
+    unlimited.filter.parameters.consistency.limit = 1e9;
+    run.seconds(unlimited, 360.0);
+    EXPECT_EQ(unlimited.filter.outputs.status, Status::converged);
+}
+
 TEST(AlignmentFilterGate, IsOpenedForAStartBeyondItsPrior) {
     // Heading wrong by 10 times, velocity by 20 times its prior sigma.
     for (const int patience : {20, 0}) {

@@ -10,12 +10,16 @@ constexpr FilterStatus::Rules kRules{.heading_sigma = 0.01, .hold_time = 10.0, .
 constexpr double kGood = 0.009;
 constexpr double kPoor = 0.01;
 
+FilterStatus::Evidence evidence(double heading_sigma, bool sensing = true, bool coarse = false) {
+    return {.sensing = sensing, .coarse = coarse, .consistent = true, .heading_sigma = heading_sigma};
+}
+
 // Fixes every second from `from` to `to`; the last state.
 State with_fixes(FilterStatus& status, int from, int to, double heading_sigma) {
     State state = State::waiting;
     for (int second = from; second <= to; ++second) {
         status.use_fix(second);
-        state = status.judge(second, true, false, heading_sigma, kRules);
+        state = status.judge(second, evidence(heading_sigma), kRules);
     }
     return state;
 }
@@ -23,10 +27,10 @@ State with_fixes(FilterStatus& status, int from, int to, double heading_sigma) {
 TEST(FilterStatus, WaitsForSamplesAndFixes) {
     FilterStatus status;
     status.start(0.0);
-    EXPECT_EQ(status.judge(0.0, false, false, kGood, kRules), State::waiting);
-    EXPECT_EQ(status.judge(100.0, true, false, kGood, kRules), State::waiting);
+    EXPECT_EQ(status.judge(0.0, evidence(kGood, false), kRules), State::waiting);
+    EXPECT_EQ(status.judge(100.0, evidence(kGood), kRules), State::waiting);
     status.use_fix(100.0);
-    EXPECT_EQ(status.judge(100.0, true, false, kGood, kRules), State::aligning);
+    EXPECT_EQ(status.judge(100.0, evidence(kGood), kRules), State::aligning);
 }
 
 TEST(FilterStatus, ConvergesWhenTheHeadingHasBeenGoodForLongEnough) {
@@ -44,8 +48,8 @@ TEST(FilterStatus, OfACoastingFilterIsNotConvergedAndTheHoldTimeBeginsAgain) {
     FilterStatus status;
     status.start(0.0);
     ASSERT_EQ(with_fixes(status, 1, 20, kGood), State::converged);
-    EXPECT_EQ(status.judge(25.0, true, false, kGood, kRules), State::converged);
-    EXPECT_EQ(status.judge(25.1, true, false, kGood, kRules), State::coasting);
+    EXPECT_EQ(status.judge(25.0, evidence(kGood), kRules), State::converged);
+    EXPECT_EQ(status.judge(25.1, evidence(kGood), kRules), State::coasting);
     EXPECT_EQ(with_fixes(status, 30, 39, kGood), State::aligning);
     EXPECT_EQ(with_fixes(status, 40, 40, kGood), State::converged);
 }
@@ -53,12 +57,27 @@ TEST(FilterStatus, OfACoastingFilterIsNotConvergedAndTheHoldTimeBeginsAgain) {
 TEST(FilterStatus, OfACoarseStageIsNeverConverged) {
     FilterStatus status;
     status.start(0.0);
-    EXPECT_EQ(status.judge(1.0, true, true, kGood, kRules), State::waiting);
+    EXPECT_EQ(status.judge(1.0, evidence(kGood, true, true), kRules), State::waiting);
     status.use_fix(1.0);
-    EXPECT_EQ(status.judge(2.0, true, true, kGood, kRules), State::coarse);
-    EXPECT_EQ(status.judge(7.0, true, true, kGood, kRules), State::coasting);
+    EXPECT_EQ(status.judge(2.0, evidence(kGood, true, true), kRules), State::coarse);
+    EXPECT_EQ(status.judge(7.0, evidence(kGood, true, true), kRules), State::coasting);
     EXPECT_EQ(with_fixes(status, 20, 29, kGood), State::aligning);
     EXPECT_EQ(with_fixes(status, 30, 30, kGood), State::converged);
+}
+
+TEST(FilterStatus, IsInconsistentWhileTheInnovationsContradictAndTheHoldTimeBeginsAgain) {
+    FilterStatus status;
+    status.start(0.0);
+    ASSERT_EQ(with_fixes(status, 1, 20, kGood), State::converged);
+    FilterStatus::Evidence contradicted = evidence(kGood);
+    contradicted.consistent = false;
+    status.use_fix(21.0);
+    EXPECT_EQ(status.judge(21.0, contradicted, kRules), State::inconsistent);
+    contradicted.coarse = true;
+    EXPECT_EQ(status.judge(21.0, contradicted, kRules), State::coarse);
+    EXPECT_EQ(status.judge(27.0, contradicted, kRules), State::coasting);
+    EXPECT_EQ(with_fixes(status, 28, 37, kGood), State::aligning);
+    EXPECT_EQ(with_fixes(status, 38, 38, kGood), State::converged);
 }
 
 TEST(FilterStatus, OfAFaultIsFinalUntilTheNextStart) {

@@ -56,6 +56,25 @@ TEST(Innovation, WithoutChannelsChangesNothing) {
     EXPECT_EQ(nis(innovation), 0.0);
 }
 
+TEST(Innovation, AsUsedHasTheCovarianceThatTheCorrectionBelieved) {
+    for (const unsigned seed : {61U, 62U}) {
+        RandomCovariance random(seed);
+        const RandomMeasurement c(random, 2.0);
+        const auto innovation = c.innovation();
+        auto correction = Standard().correct(c.P, innovation);
+        EXPECT_EQ(nis(as_used(innovation, correction)), nis(innovation));
+
+        correction.alpha = 0.25;
+        correction.noise *= 9.0;
+        correction.weight(1) = 0.0;
+        const auto used = as_used(innovation, correction);
+        const DenseUpdate expected(4.0 * c.P, c.H, 9.0 * c.R, c.residual, {0, 2});
+        const Eigen::Vector2d v(c.residual(0), c.residual(2));
+        EXPECT_NEAR(nis(used), v.dot(expected.S.inverse() * v), 1e-10 * nis(used));
+        EXPECT_EQ(used.channels(), 2);
+    }
+}
+
 struct IntermittentModel : LinearModel<4> {
     struct Fix {
         Eigen::Vector2d value;

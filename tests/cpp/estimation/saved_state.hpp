@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,11 @@ class SavedState {
         auto real = static_cast<double>(value);
         take(real);
         value = static_cast<int>(real);
+    }
+    void take(std::int64_t& value) {
+        auto real = static_cast<double>(value);
+        take(real);
+        value = static_cast<std::int64_t>(real);
     }
     void take(double& value) {
         if (loading_) {

@@ -138,6 +138,7 @@ def results() -> xr.Dataset:
     data["state"][0, 1, 3] = State.failed
     data["heading_rmse"][0] = [[1, 1, 1, 7], [3, 3, 3, np.nan]]
     data["convergence_time"][0] = [[30, 10, np.nan, 20], [np.nan, np.nan, 5, np.nan]]
+    data["claimed_deviation"][0] = [[0.5, 3.1, np.nan, 2.9], [np.nan] * 4]
     data["success"][0] = [[1, 1, 0, 1], [1, 1, 1, np.nan]]
     data["heading_sigma"][0, 0, :, 1] = 0.5
     return data
@@ -155,6 +156,9 @@ def test_a_summary_counts_what_became_of_the_runs(results: xr.Dataset) -> None:
     assert a.to_bound.value == pytest.approx(np.sqrt(13) / 0.5)
     assert a.convergence == pytest.approx((20, np.nan), nan_ok=True)
     assert b.convergence == pytest.approx((np.nan, np.nan), nan_ok=True)
+    assert (a.claims, a.wrong_claims.value) == (3, pytest.approx(1 / 3))
+    assert b.claims == 0
+    assert np.isnan(b.wrong_claims.value)
     assert a.nees.value == pytest.approx(4)  # at the end of the window, not of the run
     assert a.nees.upper == pytest.approx(stats.chi2.ppf(0.975, 4) / 4)
 

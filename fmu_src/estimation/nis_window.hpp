@@ -1,0 +1,80 @@
+// Whether the innovations of late agree with their covariance. The sum of the NIS over a window of time is
+// chi-square with as many degrees of freedom as there were channels, if the filter is what it believes to be.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "estimation/chi_square.hpp"
+
+namespace truenorth {
+
+class NisWindow {
+  public:
+    // Setting, not part of a saved state: how far back it reaches, to a part of kParts [s].
+    double length = 60.0;
+
+    void restart() { parts_ = {}; }
+
+    // A measurement of `channels` channels at `time` [s], not before the last one.
+    void add(double time, double nis, int channels) {
+        const std::int64_t number = number_of(time);
+        Part& part = parts_[static_cast<std::size_t>((number % kParts + kParts) % kParts)];
+        if (part.number != number) {
+            part = {.number = number};
+        }
+        part.nis += nis;
+        part.channels += channels;
+    }
+
+    // NIS per channel over the window that ends now; 1 is expected, 0 if there was nothing.
+    [[nodiscard]] double mean(double now) const {
+        const Part sum = total(now);
+        return sum.channels > 0 ? sum.nis / sum.channels : 0.0;
+    }
+
+    // As how rare, in standard deviations of a normal variable, a consistent filter would see so large
+    // innovations; 0 if there was nothing.
+    [[nodiscard]] double deviate(double now) const {
+        const Part sum = total(now);
+        return sum.channels > 0 ? normal_deviate(sum.nis, sum.channels) : 0.0;
+    }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        for (Part& part : parts_) {
+            archive(part.number, part.nis, part.channels);
+        }
+    }
+
+  private:
+    // The memory is the same whatever the rate of the measurements: the oldest part goes as a whole.
+    static constexpr std::int64_t kParts = 12;
+
+    struct Part {
+        std::int64_t number = 0;  // counted from time 0
+        double nis = 0.0;
+        int channels = 0;
+    };
+
+    [[nodiscard]] std::int64_t number_of(double time) const {
+        return static_cast<std::int64_t>(std::floor(time * kParts / length));
+    }
+
+    [[nodiscard]] Part total(double now) const {
+        const std::int64_t current = number_of(now);
+        Part sum;
+        for (const Part& part : parts_) {
+            if (part.number > current - kParts) {
+                sum.nis += part.nis;
+                sum.channels += part.channels;
+            }
+        }
+        return sum;
+    }
+
+    std::array<Part, kParts> parts_{};
+};
+
+}  // namespace truenorth
