@@ -155,7 +155,14 @@ CHECKS = (
         )
         for angle in (60, 90, 150)
     ),
-    Check("coloured_noise", [Band("invariant", 18, 27), Band("invariant, Gauss-Markov states", 0, 18)]),
+    Check(
+        "coloured_noise",
+        [
+            Band("invariant", 18, 27),
+            Band("invariant, wider white noise", 18, 27),
+            Band("invariant, Gauss-Markov states", 0, 18),
+        ],
+    ),
     Check(
         "overconfident_prior",
         [
