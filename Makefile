@@ -8,6 +8,7 @@ BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 JOBS   ?= 2
 
+# There are also macos-x86_64 and macos-aarch64.
 PLATFORMS ?= linux64 linux-aarch64 win64
 ZIG       := ziglang==0.17.1
 

@@ -1,5 +1,6 @@
 # Cross builds with the compiler of the Python package `ziglang`: clang, libc++ and the C libraries of every target.
-# TRUENORTH_ZIG_TARGET is Zig's name of the target, e.g. x86_64-linux-gnu.2.17 (the last part is the glibc floor).
+# TRUENORTH_ZIG_TARGET is Zig's name of the target, e.g. x86_64-linux-gnu.2.17 (the last part is the glibc floor)
+# or aarch64-macos.11.0 (the oldest macOS).
 set(TRUENORTH_ZIG_TARGET "" CACHE STRING "Zig's name of the target")
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES TRUENORTH_ZIG_TARGET ZIG)
 
@@ -9,6 +10,8 @@ find_program(ZIG zig HINTS ${zig_folders} REQUIRED)
 string(REGEX MATCH "^[^-]+" CMAKE_SYSTEM_PROCESSOR "${TRUENORTH_ZIG_TARGET}")
 if(TRUENORTH_ZIG_TARGET MATCHES "windows")
   set(CMAKE_SYSTEM_NAME Windows)
+elseif(TRUENORTH_ZIG_TARGET MATCHES "macos")
+  set(CMAKE_SYSTEM_NAME Darwin)
 else()
   set(CMAKE_SYSTEM_NAME Linux)
 endif()

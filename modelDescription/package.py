@@ -14,6 +14,7 @@ import xml.etree.ElementTree as ET
 import zipfile
 from pathlib import Path
 
+import mach_o
 from sources import closure
 
 from sim_scenarios.archives import write_archive
@@ -32,14 +33,18 @@ def pack(archive: Path, members: dict[str, Path], folders: list[Path], libraries
 
 def join(archive: Path, fmus: list[Path]) -> None:
     """Write one FMU with the binaries of several, which must be the same in all else."""
-    joined: dict[str, bytes] = {}
+    joined: dict[str, list[bytes]] = {}
     for fmu in fmus:
         with zipfile.ZipFile(fmu) as content:
             for name in content.namelist():
-                member = content.read(name)
-                if joined.setdefault(name, member) != member:
+                member, known = content.read(name), joined.setdefault(name, [])
+                if known and not (mach_o.is_binary(member) or member == known[0]):
                     raise SystemExit(f"{fmu}: {name} is not as in the others; build all from one checkout")
-    write_archive(archive, joined)
+                if member not in known:
+                    known.append(member)
+    write_archive(
+        archive, {name: mach_o.universal(parts) if parts[1:] else parts[0] for name, parts in joined.items()}
+    )
 
 
 def main() -> None:

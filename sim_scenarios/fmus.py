@@ -175,6 +175,22 @@ class Fmu:
         return Path(self._unpacked.name)
 
     @property
+    def library(self) -> Path:
+        """The unpacked binary for this machine.
+
+        Its folder has the name that FMPy gives the platform in FMI 2, `linux64` on any processor, or, where
+        FMI 2 has no name (Linux on aarch64), that of FMI 3.
+        """
+        name = f"{self.model.coSimulation.modelIdentifier}{fmpy.sharedLibraryExtension}"
+        platforms: tuple[str, str] = (fmpy.platform_tuple, fmpy.platform)
+        candidates: list[Path] = [self.folder / "binaries" / platform / name for platform in platforms]
+        for path in candidates:
+            if path.is_file():
+                return path
+        there = sorted(path.name for path in (self.folder / "binaries").glob("*"))
+        raise InputError(f"{self.path} has no binary for {platforms[0]}; it has {', '.join(there) or 'none'}")
+
+    @property
     def guid(self) -> str:
         """Hash of the FMU's description and sources."""
         return str(self.model.guid)

@@ -7,10 +7,12 @@ step are called through raw pointers with buffers made beforehand: nothing is al
 from __future__ import annotations
 
 import ctypes
+import os
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
+from pathlib import Path
 from typing import Any, Final
 
 import fmpy.fmi2
@@ -57,6 +59,7 @@ class Instance:
         self.fmu = fmu
         self.label = label
         self.messages: list[Message] = []
+        library, folder = str(fmu.library), Path.cwd()
         self._environment = _logger.register(self.messages)
         try:
             self._slave = fmpy.fmi2.FMU2Slave(
@@ -64,9 +67,11 @@ class Instance:
                 modelIdentifier=fmu.model.coSimulation.modelIdentifier,
                 unzipDirectory=str(fmu.folder),
                 instanceName=label,
+                libraryPath=library,
             )
             self._slave.instantiate(callbacks=_logger.callbacks(self._environment), loggingOn=True)
         except Exception as error:  # FMPy raises nothing more special
+            os.chdir(folder)  # it stays in the folder of a library that does not load
             _logger.forget(self._environment)
             raise SimulationError(f"{fmu.path} cannot be instantiated: {error}") from error
         self.component = ctypes.c_void_p(self._slave.component)

@@ -7,6 +7,7 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import fmpy
 import numpy as np
 import pytest
 import xarray as xr
@@ -157,14 +158,16 @@ def test_a_bad_parameter_is_refused_in_the_words_of_the_fmu(fmus: Fmus) -> None:
         sim_scenarios.run("swaying_ship", set={"robust.gamma": -1.0}, fmus=fmus)
 
 
-def test_an_fmu_without_a_binary_is_refused(fmus: Fmus, tmp_path: Path) -> None:
-    path = tmp_path / "Empty.fmu"
+def test_a_binary_that_does_not_load_is_refused(fmus: Fmus, tmp_path: Path) -> None:
+    path = tmp_path / "Broken.fmu"
+    library = f"binaries/{fmpy.platform_tuple}/{fmus.filter.library.name}"
     with zipfile.ZipFile(fmus.filter.path) as original, zipfile.ZipFile(path, "w") as copy:
         copy.writestr("modelDescription.xml", original.read("modelDescription.xml"))
-    with pytest.raises(
-        SimulationError, match=r"Empty.fmu cannot be instantiated: Cannot find shared library"
-    ):
-        Instance(Fmu(path), "empty", {})
+        copy.writestr(library, b"no library")
+    folder = Path.cwd()
+    with pytest.raises(SimulationError, match=r"Broken.fmu cannot be instantiated: Failed to load"):
+        Instance(Fmu(path), "broken", {})
+    assert Path.cwd() == folder
 
 
 def test_a_step_that_does_not_fit_is_refused(fmus: Fmus) -> None:

@@ -1,13 +1,17 @@
 """Finding FMUs, and values in the units that they declare."""
 
+import zipfile
 from pathlib import Path
 
+import fmpy
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sim_scenarios.archives import write_archive
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu, Fmus, Unit, find, search_path
+from sim_scenarios.instance import Instance
 
 DEG = Unit("rad", {"deg": (57.29577951308232, 0.0)})
 FAHRENHEIT = Unit("K", {"degF": (1.8, -459.67)})
@@ -72,6 +76,26 @@ def test_what_is_no_fmu_is_refused(tmp_path: Path) -> None:
     (tmp_path / "Broken.fmu").write_bytes(b"PK")
     with pytest.raises(InputError, match=r"Broken.fmu is not an FMU"):
         Fmu(tmp_path / "Broken.fmu")
+
+
+def with_binary_for(platform: str, fmu: Fmu, folder: Path) -> Fmu:
+    """A copy with the binary of this machine as if it were that of a platform."""
+    with zipfile.ZipFile(fmu.path) as content:
+        members = {"modelDescription.xml": content.read("modelDescription.xml")}
+        members[f"binaries/{platform}/{fmu.library.name}"] = fmu.library.read_bytes()
+    write_archive(folder / fmu.path.name, members)
+    return Fmu(folder / fmu.path.name)
+
+
+def test_binaries_are_found_where_fmi_2_has_no_name_for_the_platform(fmus: Fmus, tmp_path: Path) -> None:
+    fmu = with_binary_for(fmpy.platform_tuple, fmus.plant, tmp_path)
+    Instance(fmu, "plant", {}).close()
+
+
+def test_an_fmu_for_other_machines_says_so(fmus: Fmus, tmp_path: Path) -> None:
+    fmu = with_binary_for("riscv64-linux", fmus.plant, tmp_path)
+    with pytest.raises(InputError, match=rf"no binary for {fmpy.platform_tuple}; it has riscv64-linux"):
+        Instance(fmu, "plant", {})
 
 
 def test_quantities_of_the_fmus(fmus: Fmus) -> None:
