@@ -62,7 +62,7 @@ def export(
     results = reference.simulate(loaded, fmus, system)
     for component in system.components:
         _write_component(system, component, results[component.name], folder)
-    _write_system(system, folder)
+    _write_system(system, results, folder)
     return system
 
 
@@ -92,7 +92,7 @@ def _write_component(system: System, component: Component, results: reference.Re
         with_members(path, folder / version / path.name, members)
 
 
-def _write_system(system: System, folder: Path) -> None:
+def _write_system(system: System, results: Mapping[str, reference.Results], folder: Path) -> None:
     """The descriptions of the system."""
     parts: dict[str, str | Path] = {"SystemStructure.ssd": documents.system_structure(system)}
     for component in system.components:
@@ -104,7 +104,7 @@ def _write_system(system: System, folder: Path) -> None:
         osp.unlink(missing_ok=True)
     else:
         _write(osp, documents.osp(system))
-    _write(folder / "README.md", documents.readme(system))
+    _write(folder / "README.md", documents.readme(system, results))
 
 
 def _write(path: Path, text: str) -> None:

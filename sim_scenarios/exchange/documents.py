@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import zipfile
+from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import jinja2
 
-from sim_scenarios.exchange.reference import OUTPUT_INTERVAL
+from sim_scenarios.exchange.reference import OUTPUT_INTERVAL, Results
 from sim_scenarios.exchange.system import Component, System
 from sim_scenarios.fmus import Number, Variable
 
 TEMPLATES = Path(__file__).parents[1] / "templates" / "exchange"
+FINAL = ("nav.time", "nav.heading", "heading_sigma", "nav.roll", "nav.pitch", "nav.latitude", "nav.longitude")
+"""Outputs of the filter whose last values a partner sees at a glance."""
 TYPES = {"Enumeration": "Integer"}
 """How enumerations are set: libcosim and FMPy take their numbers, not their names, in parameter sets."""
 
@@ -50,9 +54,18 @@ def options(system: System) -> str:
     )
 
 
-def readme(system: System) -> str:
-    """README for the partner."""
-    return _render("README.md", system=system)
+def readme(system: System, results: Mapping[str, Results]) -> str:
+    """README for the partner, with the last row of the results."""
+    estimates = results[system.filter.name].outputs
+    final = {name: float(estimates[name][-1]) for name in FINAL}
+    platforms = sorted(set.intersection(*(_platforms(component) for component in system.components)))
+    return _render("README.md", system=system, final=final, platforms=platforms)
+
+
+def _platforms(component: Component) -> set[str]:
+    """Folders of the binaries of an FMU."""
+    with zipfile.ZipFile(component.fmu.path) as content:
+        return {PurePosixPath(name).parts[1] for name in content.namelist() if name.startswith("binaries/")}
 
 
 def _type(variable: Variable) -> str:

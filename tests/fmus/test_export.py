@@ -143,6 +143,21 @@ def test_a_scenario_that_libcosim_cannot_set_says_so(folder: Path, tmp_path: Pat
     assert (tmp_path / "OspSystemStructure.xml").exists()
 
 
+def test_the_partner_sees_platforms_and_final_values(folder: Path) -> None:
+    text = (folder / "README.md").read_text()
+    platforms = {
+        path.split("/")[1]
+        for path in zipfile.ZipFile(folder / "fmi2" / "TruthPlant.fmu").namelist()
+        if path.startswith("binaries/")
+    }
+    assert f"binaries for {', '.join(sorted(platforms))}." in text
+    with (folder / "reference" / "AlignmentFilter_ref.csv").open(newline="") as file:
+        last = list(csv.DictReader(file))[-1]
+    for name in ("nav.heading", "heading_sigma"):
+        assert f"| `{name}` | {last[name]} |" in text
+    assert "OSP file" not in text
+
+
 def test_exporting_again_gives_the_same_bytes(folder: Path, tmp_path: Path, fmus: Fmus) -> None:
     export("swaying_ship", tmp_path, set=SHORT, fmus=fmus)
     written = {path.relative_to(tmp_path): path.read_bytes() for path in tmp_path.rglob("*.*")}
