@@ -35,12 +35,8 @@ from sim_scenarios.units import ARCMIN
 class NavigationVerdict(Verdict):
     """How well a filter navigated: root mean square errors of a run over the window; SI units.
 
-<<<<<<< HEAD
-    `ok`: the horizontal RMSE is within the limit, and the filter is neither waiting nor coasting nor faulted
-    at the end. Errors are NaN if it had no start by the window.
-=======
-    `ok`: the horizontal RMSE is within the limit, and the status of the end is none of `UNFIT`.
->>>>>>> fa2c1b6 (Convergence takes innovations that bear the covariance out)
+    `ok`: the horizontal RMSE is within the limit, and the status of the end is none of `UNFIT`. Errors are
+    NaN if the filter had no start by the window.
 
     Attributes
     ----------

@@ -1,16 +1,17 @@
-/* Runs a plant and a filter together (FMI 2, co-simulation) without Python, so that binaries for other
-   platforms can be tried under an emulator. Both step at once from the values at the beginning of the step.
+/* Runs a system of FMUs (FMI 2, co-simulation) without Python, so that binaries for other platforms can be
+   tried under an emulator. All step at once from the values at the beginning of the step.
 
-   pair <binary> <guid> <model name> <binary> <guid> <model name> < orders > results
+   system {<binary> <guid> <model name>} ... < orders > results
 
-   The first FMU is the plant. Orders are words, numbers in C's hexadecimal notation (%a) so that no digit is
-   lost; R, I and B stand for Real, Integer and Boolean:
+   Orders are words, numbers in C's hexadecimal notation (%a) so that no digit is lost; R, I and B stand for
+   Real, Integer and Boolean:
        <step> <steps>
        for each FMU:
-           <parameters>  {R|I|B <value reference> <value>} ...              set before initialisation
-           <outputs>     {R|I|B <value reference>} ...                      shown
-       <connections>     {R|I|B <of the plant> R|I|B <of the filter>} ...   value references
-   Results are one line after initialisation and after each step: the outputs of both.
+           <parameters>  {R|I|B <value reference> <value>} ...      set before initialisation
+           <outputs>     {R|I|B <value reference>} ...              shown
+       <connections>     {<FMU> R|I|B <value reference> <FMU> R|I|B <value reference>} ...
+                                                                    from an output to an input of a later FMU
+   Results are one line after initialisation and after each step: the outputs of all.
    The exit code is 0 if every call succeeded. */
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,14 +36,15 @@ typedef struct {
 } Variable;
 
 typedef struct {
-    int count;
-    Variable* of;
-} Variables;
+    int from, to; /* FMUs */
+    Variable output, input;
+} Connection;
 
 typedef struct {
     Library library;
     fmi2Component instance;
-    Variables outputs;
+    int output_count;
+    Variable* outputs;
     fmi2SetRealTYPE* set_real;
     fmi2SetIntegerTYPE* set_integer;
     fmi2SetBooleanTYPE* set_boolean;
@@ -54,7 +56,7 @@ typedef struct {
 
 static void must(int condition, const char* what) {
     if (!condition) {
-        fprintf(stderr, "pair: %s failed\n", what);
+        fprintf(stderr, "system: %s failed\n", what);
         exit(1);
     }
 }
@@ -62,7 +64,7 @@ static void must(int condition, const char* what) {
 static void report(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
                    fmi2String category, fmi2String message, ...) {
     (void)environment, (void)status, (void)message;
-    fprintf(stderr, "pair: %s logs in %s\n", instance, category);
+    fprintf(stderr, "system: %s logs in %s\n", instance, category);
 }
 
 static double number(void) {
@@ -77,9 +79,9 @@ static Variable variable(void) {
     return result;
 }
 
-static Variables space(int count) {
-    const Variables result = {count, calloc((size_t)count + 1, sizeof(Variable))};
-    must(result.of != NULL, "allocating memory");
+static void* space(int count, size_t size) {
+    void* result = calloc((size_t)count + 1, size);
+    must(result != NULL, "allocating memory");
     return result;
 }
 
@@ -119,8 +121,9 @@ static Fmu prepared(char** words, const fmi2CallbackFunctions* environment) {
         const Variable parameter = variable();
         set(&fmu, parameter, number());
     }
-    fmu.outputs = space((int)number());
-    for (int i = 0; i < fmu.outputs.count; ++i) fmu.outputs.of[i] = variable();
+    fmu.output_count = (int)number();
+    fmu.outputs = space(fmu.output_count, sizeof *fmu.outputs);
+    for (int i = 0; i < fmu.output_count; ++i) fmu.outputs[i] = variable();
     return fmu;
 }
 
@@ -140,38 +143,50 @@ static void finish_initialisation(const Fmu* fmu) {
 }
 
 static void show(const Fmu* fmu) {
-    for (int i = 0; i < fmu->outputs.count; ++i) printf("%a ", get(fmu, fmu->outputs.of[i]));
+    for (int i = 0; i < fmu->output_count; ++i) printf("%a ", get(fmu, fmu->outputs[i]));
+}
+
+/* Carries values to one FMU, or to all. */
+static void transfer(const Fmu* fmus, const Connection* connections, int count, int to) {
+    for (int i = 0; i < count; ++i) {
+        const Connection* c = connections + i;
+        if (to < 0 || c->to == to) set(fmus + c->to, c->input, get(fmus + c->from, c->output));
+    }
 }
 
 int main(int argc, char** argv) {
-    must(argc == 7, "the command line");
+    must(argc > 1 && argc % 3 == 1, "the command line");
+    const int count = argc / 3;
     const double step = number();
     const int steps = (int)number();
     const fmi2CallbackFunctions environment = {report, calloc, free, NULL, NULL};
-    const Fmu plant = prepared(argv + 1, &environment);
-    const Fmu filter = prepared(argv + 4, &environment);
-    const int connections = (int)number();
-    const Variables from = space(connections), to = space(connections);
-    for (int i = 0; i < connections; ++i) {
-        from.of[i] = variable();
-        to.of[i] = variable();
+    Fmu* fmus = space(count, sizeof *fmus);
+    for (int k = 0; k < count; ++k) fmus[k] = prepared(argv + 1 + 3 * k, &environment);
+    const int connection_count = (int)number();
+    Connection* connections = space(connection_count, sizeof *connections);
+    for (int i = 0; i < connection_count; ++i) {
+        connections[i].from = (int)number();
+        connections[i].output = variable();
+        connections[i].to = (int)number();
+        connections[i].input = variable();
     }
 
-    begin_initialisation(&plant, step * steps);
-    finish_initialisation(&plant);
-    begin_initialisation(&filter, step * steps);
-    for (int i = 0; i < connections; ++i) set(&filter, to.of[i], get(&plant, from.of[i]));
-    finish_initialisation(&filter);
+    for (int k = 0; k < count; ++k) {
+        begin_initialisation(fmus + k, step * steps);
+        transfer(fmus, connections, connection_count, k);
+        finish_initialisation(fmus + k);
+    }
     for (int index = 0; index <= steps; ++index) {
-        show(&plant);
-        show(&filter);
+        for (int k = 0; k < count; ++k) show(fmus + k);
         printf("\n");
         if (index == steps) break;
-        for (int i = 0; i < connections; ++i) set(&filter, to.of[i], get(&plant, from.of[i]));
-        must(plant.do_step(plant.instance, index * step, step, fmi2True) == fmi2OK, "fmi2DoStep, plant");
-        must(filter.do_step(filter.instance, index * step, step, fmi2True) == fmi2OK, "fmi2DoStep, filter");
+        transfer(fmus, connections, connection_count, -1);
+        for (int k = 0; k < count; ++k) {
+            must(fmus[k].do_step(fmus[k].instance, index * step, step, fmi2True) == fmi2OK, "fmi2DoStep");
+        }
     }
-    ((fmi2FreeInstanceTYPE*)FIND(filter.library, "fmi2FreeInstance"))(filter.instance);
-    ((fmi2FreeInstanceTYPE*)FIND(plant.library, "fmi2FreeInstance"))(plant.instance);
+    for (int k = 0; k < count; ++k) {
+        ((fmi2FreeInstanceTYPE*)FIND(fmus[k].library, "fmi2FreeInstance"))(fmus[k].instance);
+    }
     return 0;
 }
