@@ -34,6 +34,7 @@ def draw(case: CaseSummary, path: Path) -> list[Path]:
         for file in files:
             about = {"Date": None} if file.suffix == ".svg" else None
             figure.savefig(file, dpi=150, metadata=about)
+            figure.set_layout_engine("none")  # the second file has the layout of the first
     return files
 
 

@@ -23,8 +23,7 @@ from typing import Any, Final
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import chdtri, stdtrit
-from scipy.stats import binomtest
+from scipy.special import betaincinv, chdtri, stdtrit
 
 from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, that_counts
 from sim_scenarios.campaigns.store import State
@@ -288,10 +287,13 @@ def _log_interval(value: float, influence: Array) -> Estimate:
 
 
 def _share(events: int, count: int) -> Estimate:
+    """Share of events with the interval of Clopper and Pearson, quantiles of beta distributions."""
     if count == 0:
         return Estimate(np.nan, np.nan, np.nan)
-    interval = binomtest(events, count).proportion_ci(CONFIDENCE, method="exact")
-    return Estimate(events / count, float(interval.low), float(interval.high))
+    tail = (1 - CONFIDENCE) / 2
+    lower = betaincinv(events, count - events + 1, tail) if events > 0 else 0.0
+    upper = betaincinv(events + 1, count - events, 1 - tail) if events < count else 1.0
+    return Estimate(events / count, float(lower), float(upper))
 
 
 def _order(ascending: Array, share: float) -> float:

@@ -135,7 +135,7 @@ def open_results(folder: str | Path) -> xr.Dataset:
     path = Path(folder) / NAME
     if not path.exists():
         raise InputError(f"there are no results of a campaign in {folder}")
-    data: xr.Dataset = xr.open_zarr(path)
+    data: xr.Dataset = xr.open_zarr(path, chunks="auto")  # of Dask, larger than the batches on disk
     return data
 
 

@@ -149,9 +149,9 @@ def test_a_summary_counts_what_became_of_the_runs(results: xr.Dataset) -> None:
     a, b = case.filters["a"], case.filters["b"]
     assert (a.runs, a.stopped, a.failures.value) == (4, 0, 0.25)
     assert (b.runs, b.stopped, b.failures.value) == (4, 1, 0.25)
-    assert (a.failures.lower, a.failures.upper) == pytest.approx(
-        tuple(stats.binomtest(1, 4).proportion_ci(0.95, "exact"))
-    )
+    for share, events, count in ((a.failures, 1, 4), (a.wrong_claims, 1, 3)):
+        exact = stats.binomtest(events, count).proportion_ci(0.95, "exact")
+        assert (share.lower, share.upper) == pytest.approx(tuple(exact))
     assert a.rmse["heading"].value == pytest.approx(np.sqrt(13))
     assert a.to_bound.value == pytest.approx(np.sqrt(13) / 0.5)
     assert a.convergence == pytest.approx((20, np.nan), nan_ok=True)
@@ -161,6 +161,15 @@ def test_a_summary_counts_what_became_of_the_runs(results: xr.Dataset) -> None:
     assert np.isnan(b.wrong_claims.value)
     assert a.nees.value == pytest.approx(4)  # at the end of the window, not of the run
     assert a.nees.upper == pytest.approx(stats.chi2.ppf(0.975, 4) / 4)
+
+
+@pytest.mark.parametrize("success", [0, 1])
+def test_no_failure_and_nothing_else_have_an_interval_too(results: xr.Dataset, success: int) -> None:
+    results["success"][0] = success
+    (case,) = summarise(results)
+    failures = case.filters["a"].failures
+    exact = stats.binomtest(4 * (1 - success), 4).proportion_ci(0.95, "exact")
+    assert (failures.lower, failures.upper) == pytest.approx(tuple(exact))
 
 
 def test_filters_are_compared_on_the_seeds_that_both_finished(results: xr.Dataset) -> None:
