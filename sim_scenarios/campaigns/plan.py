@@ -30,6 +30,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import Field, ValidationError
 
+from sim_scenarios.campaigns.quantities import FIGURES, SERIES
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
 from sim_scenarios.scenario import Scenario, Table, load_scenario, scenario_path
@@ -149,11 +150,12 @@ def filter_labels(made: Sequence[Case]) -> list[str]:
 
 
 def fingerprint(plan: Plan, made: Sequence[Case], versions: Mapping[str, str]) -> str:
-    """Hash of all that decides what a campaign computes."""
+    """Hash of all that decides what a campaign computes and keeps."""
     content = {
         "plan": plan.model_dump(mode="json", exclude={"description", "reference"}),
         "cases": {case.label: case.scenario.model_dump(mode="json") for case in made},
         "versions": dict(versions),
+        "kept": [*SERIES, *FIGURES],
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 

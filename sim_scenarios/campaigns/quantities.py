@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from sim_scenarios.attitude import wrap
 from sim_scenarios.fmus import NAVIGATION_FILTER
-from sim_scenarios.metrics import judge
+from sim_scenarios.metrics import hand_over, judge
 from sim_scenarios.metrics.statistics import holds_since, is_measured, rms, within
 
 Array = NDArray[np.float64]
@@ -55,6 +55,10 @@ FIGURES: Final[Mapping[str, tuple[str, str]]] = {
     "heading_end": ("rad", "Error of the heading at the end"),
     "heading_sigma_rms": ("rad", "Sigma of the heading that the filter claims: RMS over the window"),
     "convergence_time": ("s", "Time from which the error that counts stays within its limit"),
+    "hand_over_time": (
+        "s",
+        "Time at which an alignment handed over to the filter, where there is one",
+    ),
     "claimed_time": ("s", "Time from which the filter reports convergence until the end"),
     "claimed_deviation": (
         "1",
@@ -138,7 +142,7 @@ def _figures(run: xr.Dataset, errors: Mapping[str, Array]) -> dict[str, Array]:
     start, stop, limit = (
         float(run.attrs[f"evaluation.{key}"]) for key in ("start", "stop", f"{counting}_limit")
     )
-    time, verdict = run["time"].values, judge(run)
+    time, verdict, handed = run["time"].values, judge(run), hand_over.of_run(run)
     converged = run["converged"].values
     deviation = np.abs(errors["heading"][converged]) / run["heading_sigma"].values[converged]
     fixes = run["fix_used"].values & (run["fix_time"].values >= start) & (run["fix_time"].values <= stop)
@@ -147,6 +151,7 @@ def _figures(run: xr.Dataset, errors: Mapping[str, Array]) -> dict[str, Array]:
         "heading_end": errors["heading"][-1],
         "heading_sigma_rms": rms(within(time, run["heading_sigma"].values, start, stop)),
         "convergence_time": _time(holds_since(time, np.abs(errors[counting]) <= limit)),
+        "hand_over_time": _time(handed.time if handed else None),
         "claimed_time": _time(holds_since(time, converged)),
         "claimed_deviation": deviation[0] if converged.any() else np.nan,
         "largest_claimed_deviation": deviation.max() if converged.any() else np.nan,

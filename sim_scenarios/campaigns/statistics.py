@@ -87,6 +87,8 @@ class Summary:
     convergence : tuple of float
         Median and 90th percentile of the time from which the error that counts stays within its limit [s]; a
         run that never does counts as later than all others, and NaN as never.
+    hand_over : tuple of float
+        First and last time at which an alignment handed over to the filter [s]; NaN where there is none.
     wrong_claims : Estimate
         Share of the runs that report convergence whose heading error is then beyond `WRONG` sigmas.
     claims : int
@@ -109,6 +111,7 @@ class Summary:
     to_bound: Estimate
     ratio: Estimate
     convergence: tuple[float, float]
+    hand_over: tuple[float, float]
     wrong_claims: Estimate
     claims: int
     nis: Estimate
@@ -235,6 +238,7 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
     runs = int(finished.sum()) + stopped
     each = one[f"{counting}_rmse"].values[finished]
     times = np.sort(np.nan_to_num(one["convergence_time"].values[finished], nan=np.inf))
+    handed = one["hand_over_time"].values[finished]
     deviation = one["claimed_deviation"].values[finished]
     claims = int(np.isfinite(deviation).sum())
     return {
@@ -244,6 +248,7 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
         "rmse": {name: root_mean_square(one[f"{name}_rmse"].values[finished]) for name in ERRORS},
         "to_bound": root_mean_square(each / float(one[f"{counting}_bound_rms"])),
         "convergence": (_order(times, 0.5), _order(times, 0.9)),
+        "hand_over": (float(handed.min()), float(handed.max())) if len(handed) else (np.nan, np.nan),
         "wrong_claims": _share(int((deviation > WRONG).sum()), claims),
         "claims": claims,
         "nis": _consistency(one["nis_sum"].values[finished], one["nis_channels_sum"].values[finished]),

@@ -19,6 +19,7 @@ UNITS: Final = {"rad": ("arcmin", ARCMIN), "m/s": ("m/s", 1.0), "m": ("m", 1.0)}
 def figures(case: CaseSummary) -> Rows:
     """Main table of a case, its heading first: a line for each filter."""
     unit, size = unit_of(case)
+    handed_over = any(math.isfinite(one.hand_over[0]) for one in case.filters.values())
     rows = [
         [
             "filter",
@@ -31,6 +32,7 @@ def figures(case: CaseSummary) -> Rows:
             "wrongly\nconverged",
             "NIS /\nchannel",
             "NEES at\nthe end",
+            *(["handed\nover [s]"] if handed_over else []),
         ]
     ]
     for label, one in case.filters.items():
@@ -47,6 +49,7 @@ def figures(case: CaseSummary) -> Rows:
                 f"{round(one.wrong_claims.value * one.claims)} / {one.claims}" if one.claims else "-",
                 _consistency(one.nis),
                 _consistency(one.nees),
+                *([" to ".join(map(number, one.hand_over))] if handed_over else []),
             ]
         )
     return rows
@@ -62,7 +65,7 @@ def errors(case: CaseSummary) -> Rows:
 
 
 def by_scenario(cases: Sequence[CaseSummary]) -> Rows:
-    """RMSE of the error that counts: filters in lines, scenarios in columns, and the bound."""
+    """RMSE of the error that counts, and bound: filters in lines, or scenarios if there are more of them."""
     labels = dict.fromkeys(label for case in cases for label in case.filters)
     units = [unit_of(case) for case in cases]
     titles = [f"{case.label}: {case.counting} [{unit}]" for case, (unit, _) in zip(cases, units, strict=True)]
@@ -74,7 +77,8 @@ def by_scenario(cases: Sequence[CaseSummary]) -> Rows:
             row.append("" if one is None else interval(one.rmse[case.counting] / size))
         rows.append(row)
     bounds = [number(case.bound_rms / size) for case, (_, size) in zip(cases, units, strict=True)]
-    return [*rows, ["Cramer-Rao bound", *bounds]]
+    rows.append(["Cramer-Rao bound", *bounds])
+    return [list(column) for column in zip(*rows, strict=True)] if len(cases) > len(labels) else rows
 
 
 def unit_of(case: CaseSummary) -> tuple[str, float]:
@@ -105,6 +109,7 @@ def for_machines(case: CaseSummary) -> dict[str, Any]:
                 "ratio_to_reference": _estimate(one.ratio),
                 "convergence_median": json_number(one.convergence[0]),
                 "convergence_90_percent": json_number(one.convergence[1]),
+                "hand_over": [json_number(time) for time in one.hand_over],
                 "claims": one.claims,
                 "wrong_claims": _estimate(one.wrong_claims),
                 "nis": _estimate(one.nis),

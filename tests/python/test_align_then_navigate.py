@@ -209,6 +209,7 @@ def test_in_a_campaign_it_counts_as_a_failure(bench: Bench, fmus: Fmus) -> None:
         assert outcome.state == {"loose": state}
         assert ("loose: the alignment has not converged" in outcome.failure) == (state is State.failed)
         assert all(np.isfinite(values["horizontal_rmse"]) for values in outcome.kept.values())
+        assert all(values["hand_over_time"] == 6.0 for values in outcome.kept.values())
 
 
 def test_a_container_is_refused(bench: Bench, fmus: Fmus) -> None:

@@ -162,8 +162,11 @@ def test_pictures_and_table_lie_beside_the_page(files: dict[str, str], cases: li
     for case in cases:
         stem = case.label.replace(" ", "_")
         assert {f"{stem}.png", f"{stem}.svg"} <= names
-    lines = Path(files["table"]).read_text(encoding="utf-8").splitlines()
-    assert [line.split("|")[1].strip() for line in lines[2:]] == ["EKF", "UKF", "Cramer-Rao bound"]
+    heading, _, *lines = Path(files["table"]).read_text(encoding="utf-8").splitlines()
+    assert [cell.strip() for cell in heading.split("|")[2:-1]] == ["EKF", "UKF", "Cramer-Rao bound"]
+    assert [line.split("|")[1].strip() for line in lines] == [
+        f"{case.label}: heading [arcmin]" for case in cases
+    ]
 
 
 def test_the_page_names_the_command_of_a_run_alone(files: dict[str, str]) -> None:

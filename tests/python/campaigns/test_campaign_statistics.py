@@ -136,6 +136,7 @@ def results() -> xr.Dataset:
         },
     )
     data["state"][0, 1, 3] = State.failed
+    data["hand_over_time"][:] = np.nan
     data["heading_rmse"][0] = [[1, 1, 1, 7], [3, 3, 3, np.nan]]
     data["convergence_time"][0] = [[30, 10, np.nan, 20], [np.nan, np.nan, 5, np.nan]]
     data["claimed_deviation"][0] = [[0.5, 3.1, np.nan, 2.9], [np.nan] * 4]
@@ -190,6 +191,23 @@ def test_navigation_is_judged_by_the_horizontal_position(results: xr.Dataset) ->
     assert case.filters["b"].ratio.value == pytest.approx(0.5)
     assert table.by_scenario([case])[0][1] == "case: horizontal [m]"
     assert table.figures(case)[1][1] == "6.00"
+
+
+def test_the_longer_of_filters_and_scenarios_goes_down(results: xr.Dataset) -> None:
+    (case,) = summarise(results)
+    few, many = table.by_scenario([case]), table.by_scenario([case] * 3)
+    assert [row[0] for row in few[1:]] == ["a", "b", "Cramer-Rao bound"]
+    assert many[0][1:] == ["a", "b", "Cramer-Rao bound"]
+    assert many[1:] == [[row[1] for row in few]] * 3
+
+
+def test_the_hand_over_is_told_where_there_is_one(results: xr.Dataset) -> None:
+    (case,) = summarise(results)
+    assert "handed\nover [s]" not in table.figures(case)[0]
+    results["hand_over_time"][0] = [[227, 226, 228, 227], [231, 230, 229, np.nan]]
+    (case,) = summarise(results)
+    assert [row[-1] for row in table.figures(case)] == ["handed\nover [s]", "226 to 228", "229 to 231"]
+    assert table.for_machines(case)["filters"]["a"]["hand_over"] == [226, 228]
 
 
 def test_a_filter_that_a_case_lacks_has_no_summary(results: xr.Dataset) -> None:
