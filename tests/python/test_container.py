@@ -29,7 +29,7 @@ def case_of(fmus: Fmus, scenario: str, **settings: object) -> Case:
 @pytest.mark.parametrize(
     ("scenario", "settings"),
     [
-        ("swaying_ship", {}),
+        ("swaying_ship", {"duration": 600.0, "evaluation.start": 300.0}),
         ("gnss_outliers", {"gnss.rate": 10.0}),  # a fix at every recorded instant
         ("waves", {"gnss.latency": 0.35, "plant.gnss.lever_arm": [0.5, 2.0, 8.0]}),
         ("flight_loose_tight", {}),  # the NavigationFilter, with its Boolean signals
