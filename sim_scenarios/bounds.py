@@ -150,20 +150,19 @@ def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
     R = np.diag(measurement**2)
     P = np.diag(prior**2)
 
+    # Fixes that come between two samples of the trajectory count at the later one.
     fix_count = np.floor((trajectory.time - trajectory.time[0]) * knowledge.gnss_rate + 1e-6).astype(int)
-    fixes = np.flatnonzero(np.diff(fix_count)) + 1
-    is_fix = np.zeros(len(trajectory.time), dtype=bool)
-    is_fix[fixes] = True
+    arriving = np.diff(fix_count, prepend=0)
 
     variance = [P.diagonal().copy()]
     for k in range(1, len(trajectory.time)):
         P = transition[k - 1] @ P @ transition[k - 1].T + noise[k - 1]
-        if is_fix[k]:
+        if arriving[k]:
             cross = H[k] @ P
-            P = P - cross.T @ np.linalg.solve(cross @ H[k].T + R, cross)
+            P = P - cross.T @ np.linalg.solve(cross @ H[k].T + R / arriving[k], cross)
             P = (P + P.T) / 2
             variance.append(P.diagonal().copy())
-    time = np.concatenate((trajectory.time[:1], trajectory.time[fixes]))
+    time = np.concatenate((trajectory.time[:1], trajectory.time[arriving > 0]))
     return Bound(time=time, sigma=np.sqrt(np.array(variance)))
 
 

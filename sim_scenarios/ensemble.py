@@ -325,7 +325,7 @@ def _run(
             raise InputError(f"{scenario} compares no filter '{label}'{hint}")
     filters = {label: known[label] for label in labels}
     recorded, messages = simulation.simulated(loaded, fmus, filters)
-    data = recording.dataset(recorded, list(labels), fmus[loaded.filter_fmu], fmus.plant)
+    data = simulation.dataset(recorded, loaded, fmus, list(labels))
     data.attrs = simulation.attributes(loaded, fmus, messages)
     return data
 

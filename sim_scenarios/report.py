@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from sim_scenarios.html import render
 from sim_scenarios.metrics import Verdict, hand_over, is_navigation, judge
 from sim_scenarios.metrics.alignment import bound_in_words
-from sim_scenarios.metrics.verdict import UNFIT, status_at_end
+from sim_scenarios.metrics.verdict import status_at_end
 from sim_scenarios.plots import fixes, heading, navigation
 from sim_scenarios.plots.states import states
 from sim_scenarios.plots.style import png
@@ -191,7 +191,7 @@ def report_replay(run: xr.Dataset, folder: Path) -> Path:
 
 def replay_converged(run: xr.Dataset) -> bool:
     """Whether the filter says at the end of a recording that its heading is to be relied on."""
-    return bool(run["converged"].values[-1]) and status_at_end(run) not in UNFIT
+    return bool(run["converged"].values[-1])
 
 
 def replay_sentence(run: xr.Dataset) -> str:

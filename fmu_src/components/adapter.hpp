@@ -10,8 +10,7 @@
 //   fix_of(sighting, port)   the model's Fix; `port` is the filter's input `gnss`
 //   slot(i, output)          optional: the element of an output such as `innovation` that is measurement i
 //   publish(outputs, x, sigma)  optional: outputs of the states that are no Block
-//   renewed(port, restart)   optional: calls restart(i) when measurement i comes from another source than
-//   before
+//   renewed(port, restart)   optional: calls restart(i) when measurement i comes from another source
 //
 // Estimator and correctors of a model are compiled in the adapter's own source file, once for every
 // component.

@@ -29,8 +29,8 @@ struct AntennaState {
 class AntennaHistory {
   public:
     static constexpr std::size_t kCapacity = 256;
-    static constexpr double kSpacing =
-        0.0099;  // entries closer than this [s] replace each other: 2.5 s at least
+    // Entries closer than this replace each other, so that the history is 2.5 s long at least [s].
+    static constexpr double kSpacing = 0.0099;
 
     void push(const AntennaState& state);
 

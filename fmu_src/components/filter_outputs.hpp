@@ -66,6 +66,16 @@ void publish_innovation(Outputs& outputs, const Innovation<N, M>& innovation) {
     outputs.nis_channels = innovation.channels();
 }
 
+// Of a fix that a coarse stage took, which has none.
+template <class Outputs>
+void publish_no_innovation(Outputs& outputs) {
+    outputs.innovation.setZero();
+    outputs.innovation_sigma.setZero();
+    outputs.measurement_weight.setZero();
+    outputs.nis = 0.0;
+    outputs.nis_channels = 0;
+}
+
 // What a corrector made of it.
 template <class Where, class Outputs, int N, int M>
 void publish_correction(Outputs& outputs, const Correction<N, M>& correction, bool h_infinity) {

@@ -9,7 +9,7 @@ namespace truenorth {
 
 class FilterStatus {
   public:
-    // Numbered as the items of the enumeration Status of the interface.
+    // Numbered as the items of the enumeration Status of the interface, to which it is cast.
     enum class State : std::uint8_t {
         waiting = 1,
         aligning,

@@ -5,6 +5,26 @@
 
 namespace truenorth {
 
+// A first fix farther than this from initial.* is a wrong initial position rather than an error of it.
+inline constexpr double kFar = 10e3;  // [m]
+
+inline const char* reason(GnssInput::Verdict verdict) {
+    switch (verdict) {
+        case GnssInput::Verdict::not_finite:
+            return "a value is not finite";
+        case GnssInput::Verdict::impossible:
+            return "position or velocity is impossible";
+        case GnssInput::Verdict::backwards:
+            return "its time does not follow that of the fix before";
+        case GnssInput::Verdict::future:
+            return "it is younger than the IMU data";
+        case GnssInput::Verdict::stale:
+        case GnssInput::Verdict::accepted:
+            break;
+    }
+    return "";
+}
+
 template <int N, int M>
 const char* reason_of_refusal(const InnovationGate& gate, const Innovation<N, M>& innovation) {
     if (innovation.channels() == 0) {
@@ -141,11 +161,13 @@ void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fi
     }
     status_.use_fix(imu_.time());
     ++outputs.used_fixes;
+    publish_no_innovation(outputs);
     history_.turn(change.rotation, travelled_);
     history_.shift(change.velocity, change.displacement);
     if (!engine.is_coarse() && log_->listens()) {
-        log_->event(text("coarse stage ends at ", imu_.time(), " s after ", outputs.used_fixes,
-                         " fixes, which the filter has taken again from the first"));
+        log_->event(
+            text("coarse stage ends at ", imu_.time(), " s after ", outputs.used_fixes,
+                 " fixes, which the filter has taken again from the first, as far as its gate admits them"));
     }
 }
 

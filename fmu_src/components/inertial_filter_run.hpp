@@ -13,26 +13,6 @@ namespace truenorth {
 // in between: 2 s on a ship that rolls in 8 s make a heading RMSE of 17 arcmin one of 70.
 inline constexpr double kLongestGoodInterval = 1.0;  // [s]
 
-// A first fix farther than this from initial.* is a wrong initial position rather than an error of it.
-inline constexpr double kFar = 10e3;  // [m]
-
-inline const char* reason(GnssInput::Verdict verdict) {
-    switch (verdict) {
-        case GnssInput::Verdict::not_finite:
-            return "a value is not finite";
-        case GnssInput::Verdict::impossible:
-            return "position or velocity is impossible";
-        case GnssInput::Verdict::backwards:
-            return "its time does not follow that of the fix before";
-        case GnssInput::Verdict::future:
-            return "it is younger than the IMU data";
-        case GnssInput::Verdict::stale:
-        case GnssInput::Verdict::accepted:
-            break;
-    }
-    return "";
-}
-
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::check() const {
     Interface::validate(parameters);
@@ -257,17 +237,26 @@ void InertialFilter<Interface, Engines...>::publish_status() {
                                      {.heading_sigma = parameters.convergence.heading_sigma,
                                       .hold_time = parameters.convergence.hold_time,
                                       .coasting_delay = parameters.coasting.delay});
-    const auto was = static_cast<FilterStatus::State>(outputs.status);
-    outputs.status = static_cast<typename Interface::Status>(state);
-    outputs.converged = state == FilterStatus::State::converged;
+    using State = FilterStatus::State;
+    using Status = typename Interface::Status;
+    constexpr auto same = [](Status status, State internal) {
+        return static_cast<State>(status) == internal;
+    };
+    static_assert(same(Status::waiting, State::waiting) && same(Status::aligning, State::aligning) &&
+                  same(Status::converged, State::converged) && same(Status::coasting, State::coasting) &&
+                  same(Status::faulted, State::faulted) && same(Status::coarse, State::coarse) &&
+                  same(Status::inconsistent, State::inconsistent));
+    const auto was = static_cast<State>(outputs.status);
+    outputs.status = static_cast<Status>(state);
+    outputs.converged = state == State::converged;
     if (state == was || !log_->listens()) {
         return;
     }
-    if (state == FilterStatus::State::inconsistent) {
+    if (state == State::inconsistent) {
         log_->event(text("innovations contradict their covariance at ", now, " s: nis_mean is ",
                          outputs.nis_mean, " (consistency.limit)"));
     }
-    if (outputs.converged || was == FilterStatus::State::converged) {
+    if (outputs.converged || was == State::converged) {
         log_->event(text(outputs.converged ? "converged" : "no longer converged", " at ", now, " s"));
     }
 }

@@ -111,12 +111,15 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
 
     [[nodiscard]] const NavigationState& best() const { return mechanisation_.state; }
 
-    // Of the errors of the navigation state, east, north, up.
+    // Of the errors of the navigation state, east, north, up, and of what the sensors are off by.
     [[nodiscard]] const Covariance& covariance() const { return covariance_; }
 
-    [[nodiscard]] Eigen::Vector3d gyro_bias() const { return estimator.state.sensors.template head<3>(); }
+    // Constant biases and Gauss-Markov processes together: what the sensors are off by.
+    [[nodiscard]] Eigen::Vector3d gyro_bias() const {
+        return M::sensor_error(estimator.state).template head<3>();
+    }
     [[nodiscard]] Eigen::Vector3d accelerometer_bias() const {
-        return estimator.state.sensors.template segment<3>(3);
+        return M::sensor_error(estimator.state).template tail<3>();
     }
 
     // What the last fix found, and how sure that is [rad].
@@ -163,7 +166,7 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
 
     // Covariance of the attitude that the vectors tell: what the fixes scatter, and what biases do that no
     // scatter shows. An accelerometer bias passes for a tilt, an east gyro bias for a heading, and the errors
-    // go with these.
+    // go with these. Gauss-Markov processes count as biases, although scatter shows a part of them.
     void misalign(const Eigen::Matrix3d& C_bn, const Eigen::Matrix3d& scatter) {
         const Eigen::Vector3d east = C_bn.row(0);
         const Eigen::Vector3d up = C_bn.row(2);
@@ -176,10 +179,13 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
         bias << -up * east.transpose() / north_rate, skew(up) / gravity;
 
         auto& P = estimator.covariance;
-        const Matrix<3, 6> cross = bias * P.template block<6, 6>(M::kGyro, M::kGyro);
-        P.template block<3, 3>(M::kRotation, M::kRotation) = scatter + cross * bias.transpose();
-        P.template block<3, 6>(M::kRotation, M::kGyro) = cross;
-        P.template block<6, 3>(M::kGyro, M::kRotation) = cross.transpose();
+        P.template block<3, 3>(M::kRotation, M::kRotation) = scatter;
+        for (int sensor = M::kGyro; sensor < M::kStates; sensor += 6) {
+            const Matrix<3, 6> cross = bias * P.template block<6, 6>(sensor, sensor);
+            P.template block<3, 3>(M::kRotation, M::kRotation) += cross * bias.transpose();
+            P.template block<3, 6>(M::kRotation, sensor) = cross;
+            P.template block<6, 3>(sensor, M::kRotation) = cross.transpose();
+        }
     }
 
     // Filters the coarse stage, from the first fix to the last.
@@ -198,6 +204,12 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
         const Covariance J = M::navigation_errors(estimator.state);
         to_navigation_ = J.template topLeftCorner<3, 3>();
         covariance_ = J * estimator.covariance * J.transpose();
+        if constexpr (coloured) {
+            covariance_.template middleRows<6>(M::kGyro) +=
+                covariance_.template middleRows<6>(M::kGyroMarkov);
+            covariance_.template middleCols<6>(M::kGyro) +=
+                covariance_.template middleCols<6>(M::kGyroMarkov);
+        }
         symmetrise(covariance_);
     }
 

@@ -16,7 +16,9 @@ namespace {
 void require_sound(const navigation_filter::Inputs& inputs) {
     validate(inputs);
     const HandedCovariance P = inputs.initial.covariance;
-    const bool symmetric = (P - P.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * P.cwiseAbs().maxCoeff();
+    const Vector<kHandedStates> sigma = P.diagonal().cwiseMax(0.0).cwiseSqrt();
+    const bool symmetric =
+        ((P - P.transpose()).cwiseAbs().array() <= 1e-9 * (sigma * sigma.transpose()).array()).all();
     if (!symmetric || (!P.isZero(0.0) && P.llt().info() != Eigen::Success)) {
         throw InvalidParameter(
             "initial.covariance: must be symmetric and positive definite, or zero to take prior.*");

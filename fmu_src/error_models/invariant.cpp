@@ -119,8 +119,9 @@ Matrix<Invariant<coloured>::kStates> Invariant<coloured>::carried_covariance(con
             noise.accelerometer.sigma * std::sqrt(2.0 / noise.accelerometer.correlation_time));
     }
     // Noise by Simpson's rule over the time at which it arrives: at the start, with which P goes the whole
-    // way, half-way, at the end. Of the states beyond the pose each drives itself and the pose, no other,
-    // which spares half of the products.
+    // way, half-way, at the end. Of the pose, the transition from half-way on is the mean of start and end: a
+    // turn within the interval loses a little of the white noise, 2 % at 20 deg. Of the states beyond the
+    // pose each drives itself and the pose, no other, which spares half of the products.
     const Deviation sixth = interval.duration / 6.0 * density;
     Matrix<kStates> start = P;
     start.diagonal() += sixth;
@@ -130,7 +131,7 @@ Matrix<Invariant<coloured>::kStates> Invariant<coloured>::carried_covariance(con
 
     Matrix<kGyro, kStates> half_way = 0.5 * pose;
     half_way.diagonal().array() += 0.5;
-    const Vector<kSensors> half_decay = 0.5 * (decay.array() + 1.0);
+    const Vector<kSensors> half_decay = decay.cwiseSqrt();
     const Matrix<kGyro, kStates> arriving = half_way * (4.0 * sixth).asDiagonal();
 
     Matrix<kStates> end;

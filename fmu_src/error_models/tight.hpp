@@ -115,8 +115,8 @@ class Tight {
         Eigen::Vector3d velocity;  // of the satellite relative to the antenna, Earth-fixed axes [m/s]
     };
 
-    // Error of the antenna's position and velocity in Earth-fixed axes, resolved in ENU, of the state: 6
-    // x 20.
+    // Error of the antenna's position and velocity in Earth-fixed axes, resolved in ENU, of the state (6 x
+    // 20).
     [[nodiscard]] static Matrix<6, kStates> antenna_error(const Fix& fix);
     [[nodiscard]] static std::array<Sight, kChannels> sights(const State& x, const Fix& fix);
 };

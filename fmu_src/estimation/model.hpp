@@ -12,8 +12,7 @@ namespace truenorth {
 //
 //   retract(x, d)              the state x moved by the deviation d
 //   propagate(x, D, interval)  moves x over the interval; replaces each column d of D (N x K) by the
-//   deviation,
-//                              from the moved x, of the moved retract(x, d)
+//                              deviation, from the moved x, of the moved retract(x, d)
 //   transition(x, interval)    Jacobian of the moved deviation with respect to the deviation, at zero (N x N)
 //   process_noise(x, interval) covariance that the interval adds (N x N)
 //   residual(x, fix)           measurement minus prediction (M)

@@ -77,16 +77,16 @@ class Summary:
     failures : Estimate
         Share of the runs that stopped with an error or whose verdict is not good (Clopper-Pearson).
     stopped : int
-        Runs that stopped with an error.
+        Runs that stopped with an error, or had no start by the window.
     rmse : dict of str to Estimate
-        Over window and runs, by quantity of `quantities.ERRORS`.
+        Over window and finished runs, by quantity of `quantities.ERRORS`.
     to_bound : Estimate
         RMSE of the error that counts, by the Cramer-Rao bound.
     ratio : Estimate
         The same by that of the reference filter of the case on the same seeds.
     convergence : tuple of float
         Median and 90th percentile of the time from which the error that counts stays within its limit [s]; a
-        run that never does counts as later than all others, and NaN as never.
+        run that never does, or stopped, counts as later than all others, and NaN as never.
     hand_over : tuple of float
         First and last time at which an alignment handed over to the filter [s]; NaN where there is none.
     wrong_claims : Estimate
@@ -196,7 +196,8 @@ def consistency_course(total: Array, degrees: Array) -> Course:
 def nees_course(error: Array, sigma: Array) -> Course:
     """Mean over runs of (error / sigma)^2 over time, from the values of each run, shape (runs, times)."""
     nees = (error / sigma) ** 2
-    return consistency_course(nees, np.isfinite(nees).astype(float))
+    known = np.isfinite(nees)
+    return consistency_course(np.where(known, nees, 0.0), known.astype(float))
 
 
 def _case_summary(case: xr.Dataset, attributes: Mapping[str, Any], reference: str | None) -> CaseSummary:
@@ -237,8 +238,9 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
     finished, stopped = state == State.finished, int((state == State.failed).sum())
     runs = int(finished.sum()) + stopped
     each = one[f"{counting}_rmse"].values[finished]
-    times = np.sort(np.nan_to_num(one["convergence_time"].values[finished], nan=np.inf))
     handed = one["hand_over_time"].values[finished]
+    settled = np.nan_to_num(one["convergence_time"].values[finished], nan=np.inf)
+    times = np.sort(np.append(settled, np.full(stopped, np.inf)))
     deviation = one["claimed_deviation"].values[finished]
     claims = int(np.isfinite(deviation).sum())
     return {

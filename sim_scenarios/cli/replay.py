@@ -76,7 +76,7 @@ def replay_recording(
             --set prior.accelerometer_bias_sigma="0.1 mg" \
             --set process.angle_random_walk="0.001 deg/h^0.5"
 
-    Exit code 0 when the filter reports convergence at the end, and is not coasting or faulted there.
+    Exit code 0 when the filter reports convergence at the end.
     """
     with refusing_bad_input():
         results = Results(output)

@@ -47,11 +47,6 @@ class AlignmentVerdict(Verdict):
     bound: float | None
 
     @property
-    def converged(self) -> bool:
-        """Whether the heading converged."""
-        return self.ok
-
-    @property
     def rmse(self) -> Rmse:
         """That of the heading."""
         return Rmse("heading [']", self.heading_rmse / ARCMIN)

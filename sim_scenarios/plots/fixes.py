@@ -27,7 +27,7 @@ def innovations(run: xr.Dataset) -> Figure:
             panel.plot(time[used], value[used], ".", **USED)
             panel.plot(time[~used], value[~used], "x", **REJECTED)
             unit = units[i] if len(units) > 1 else units[0]  # one for each element, if they differ
-            panel.set_ylabel(f"{NAVIGATION_AXES[i % len(NAVIGATION_AXES)]} [{unit}]")
+            panel.set_ylabel(f"{_axis(i)} [{unit}]")
             settled = time >= time[0] + 0.05 * (time[-1] - time[0])
             limit(panel, max(3.3 * sigma[settled].max(), 1.1 * np.abs(value[settled]).max()), floor=1e-6)
         axes[0].legend(loc="upper right", ncols=3)
@@ -99,6 +99,11 @@ def corrections(run: xr.Dataset) -> Figure:
         return drawn
 
 
+def _axis(channel: int) -> str:
+    """Axis of a measured component; channels come in threes."""
+    return NAVIGATION_AXES[channel % len(NAVIGATION_AXES)]
+
+
 def _draw_running_mean(
     axes: Axes, time: np.ndarray[Any, Any], value: np.ndarray[Any, Any], channels: np.ndarray[Any, Any]
 ) -> None:
@@ -118,8 +123,8 @@ def _draw_weights(run: xr.Dataset, axes: Axes) -> None:
     channels = measured_channels(run)
     if len(channels) <= len(NAVIGATION_AXES):
         for i in channels:
-            label = NAVIGATION_AXES[i]
-            axes.step(time, weight[:, i], DASHES[i], where="mid", lw=1.2, color=COLOURS[i], label=label)
+            label, j = _axis(i), i % len(NAVIGATION_AXES)
+            axes.step(time, weight[:, i], DASHES[j], where="mid", lw=1.2, color=COLOURS[j], label=label)
     else:
         counted = np.where(measured, weight, np.nan)[measured.any(axis=1)]
         moments = time[measured.any(axis=1)]

@@ -87,7 +87,6 @@ def test_a_refused_call_changes_nothing(instance: Instance) -> None:
     assert instance.serialise() == before
 
 
-NOTHING = (c_size_t(0), None)
 UNSUPPORTED = {
     "fmi2CancelStep": (),
     "fmi2SetRealInputDerivatives": (None, c_size_t(0), None, None),

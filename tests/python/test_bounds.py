@@ -195,6 +195,18 @@ def test_more_knowledge_never_hurts() -> None:
         assert np.all(cramer_rao(trajectory, better).heading_sigma <= coarse * (1 + 1e-9))
 
 
+def test_fixes_between_two_samples_of_the_trajectory_all_count() -> None:
+    """Two at once are one of half the variance."""
+    trajectory = trajectories.ship(TIME[:3001], waves=True)
+    sampling = 1 / (TIME[1] - TIME[0])
+    many = Knowledge(gnss_rate=2 * sampling, gnss_velocity_sigma=0.3, gnss_position_sigma=5.0)
+    fewer = Knowledge(
+        gnss_rate=sampling, gnss_velocity_sigma=0.3 / np.sqrt(2), gnss_position_sigma=5.0 / np.sqrt(2)
+    )
+    sigma, expected = (cramer_rao(trajectory, knowledge).sigma for knowledge in (many, fewer))
+    np.testing.assert_allclose(sigma, expected, rtol=1e-9)
+
+
 def test_without_motion_the_east_gyro_bias_limits_the_heading() -> None:
     trajectory = trajectories.ship(TIME, sway=False, speed=0.0)
     nearly_perfect = Knowledge(

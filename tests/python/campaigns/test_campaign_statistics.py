@@ -173,6 +173,21 @@ def test_no_failure_and_nothing_else_have_an_interval_too(results: xr.Dataset, s
     assert (failures.lower, failures.upper) == pytest.approx(tuple(exact))
 
 
+def test_a_run_that_stopped_is_later_than_all_others(results: xr.Dataset) -> None:
+    results["convergence_time"][0, 1] = [10, 20, 30, np.nan]
+    (case,) = summarise(results)
+    median, late = case.filters["b"].convergence
+    assert median == 20
+    assert np.isnan(late)
+
+
+def test_the_nees_is_that_of_the_runs_that_have_a_sigma() -> None:
+    error, sigma = np.array([[1.0, 2.0], [1.0, 2.0]]), np.array([[1.0, 1.0], [np.nan, 2.0]])
+    course = nees_course(error, sigma)
+    assert course.middle == pytest.approx([1.0, 2.5])
+    assert course.upper[0] == pytest.approx(stats.chi2.ppf(0.975, 1))
+
+
 def test_filters_are_compared_on_the_seeds_that_both_finished(results: xr.Dataset) -> None:
     (case,) = summarise(results)
     assert case.reference == "a"

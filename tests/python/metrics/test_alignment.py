@@ -38,7 +38,7 @@ def recorded(error: np.ndarray, status: int = 3) -> xr.Dataset:
 def test_verdict() -> None:
     verdict = judge(recorded(np.where(TIME < 150, 1.0, 20 * ARCMIN)))
     assert isinstance(verdict, AlignmentVerdict)
-    assert verdict.converged
+    assert verdict.ok
     assert verdict.heading_rmse == pytest.approx(20 * ARCMIN)
     assert verdict.convergence_time == 150
     assert verdict.claimed_time == 100
@@ -69,7 +69,7 @@ def test_a_run_without_a_fix_or_a_bound_has_a_verdict() -> None:
     del run.attrs["bound.heading_rms"]
     verdict = judge(run)
     assert isinstance(verdict, AlignmentVerdict)
-    assert verdict.converged
+    assert verdict.ok
     assert (verdict.bound, verdict.used_fixes) == (None, 0)
     json = verdict.to_json()
     assert json["bound_arcmin"] is json["nis_per_channel"] is json["nis_interval"] is None
