@@ -2,6 +2,10 @@
 
 A run gives the errors of each filter at every recorded instant. A figure is a statistic of some of them over
 a window and over all runs; of a single run it is the same statistic of that run alone.
+
+This is for bands and papers, whose figures take any window and component, NEES of the whole covariance and
+the Python master's full record. Campaigns (`sim_scenarios.campaigns`) keep less of each run, on disk, and
+know intervals, bounds, resuming and clusters.
 """
 
 from __future__ import annotations

@@ -7,6 +7,9 @@
         print(results["heading_rmse"].sel(filter="UKF").values)
 
 The results are an xarray Dataset (see `store`); `statistics.summarise` condenses it.
+
+What is kept of a run is fixed (`quantities`), so that campaigns of any size resume and spread over machines.
+Checks that need every error at every instant, of a few dozen runs, are made by `sim_scenarios.ensemble`.
 """
 
 from __future__ import annotations

@@ -191,6 +191,8 @@ def _read(path: Path) -> dict[str, Any]:
 def _selected(made: Sequence[Case], labels: Sequence[str]) -> list[Case]:
     """The cases with the named filters alone; each must be compared by at least one case."""
     known = filter_labels(made)
+    if not labels:
+        raise InputError("filters: names no filter; without the entry all that the scenarios compare are run")
     for label in labels:
         if label not in known:
             hint = did_you_mean(label, known) or f"; there are {', '.join(known)}"
@@ -228,4 +230,5 @@ def _sentence(where: object, error: Any) -> str:
     key = ".".join(str(part) for part in error["loc"])
     if error["type"] == "extra_forbidden":
         return f"{where}: {key}: there is no such entry{did_you_mean(key, list(Plan.model_fields))}"
-    return f"{where}: {key}: {error['msg'][0].lower()}{error['msg'][1:]}"
+    message = error["msg"][0].lower() + error["msg"][1:]
+    return f"{where}: {key}: {message.replace('tuple', 'list')}"

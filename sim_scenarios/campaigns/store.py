@@ -62,7 +62,12 @@ def is_there(folder: Path, identity: str) -> bool:
     path = folder / NAME
     if not path.exists():
         return False
-    attributes = _group(path, "r").attrs
+    try:
+        attributes = _group(path, "r").attrs.asdict()
+    except (OSError, ValueError):  # whatever Zarr raises
+        attributes = {}
+    if "fingerprint" not in attributes:
+        raise InputError(f"{path} is not the data set of a campaign; give another --output, or --overwrite")
     if attributes["fingerprint"] != identity:
         raise InputError(
             f"{folder} holds the results of a campaign with other settings or FMUs ({attributes['runs']} "

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
@@ -18,6 +20,7 @@ from sim_scenarios.cli.options import AsJson, Output, Settings, settings
 from sim_scenarios.cli.results import DEFAULT, Results
 from sim_scenarios.cli.terminal import console, print_json, print_pairs, print_table, refusing_bad_input
 from sim_scenarios.cosimulation import Master
+from sim_scenarios.errors import InputError
 
 if TYPE_CHECKING:
     from sim_scenarios.campaigns import Campaign
@@ -113,12 +116,13 @@ def run_campaign(
         folder = Results(output or DEFAULT / f"campaign-{plan.name}").output
         assert folder is not None
         campaign = Campaign.of(plan, folder, master)
-        if overwrite:
-            store.discard(folder)
-        effort = _run(campaign, workers, scheduler)
-        data = store.open_results(folder)
-        cases = list(summarise(data))
-        files = page.write(data, cases, folder)
+        with _storing(folder):
+            if overwrite:
+                store.discard(folder)
+            effort = _run(campaign, workers, scheduler)
+            data = store.open_results(folder)
+            cases = list(summarise(data))
+            files = page.write(data, cases, folder)
     if as_json:
         figures = {case.label: table.for_machines(case) for case in cases}
         print_json({"campaign": plan.name, "runs": plan.runs, "seed": plan.seed, "cases": figures, **files})
@@ -127,8 +131,24 @@ def run_campaign(
     raise typer.Exit(int(any(one.stopped for case in cases for one in case.filters.values())))
 
 
+@contextmanager
+def _storing(folder: Path) -> Iterator[None]:
+    """Say in a sentence what keeps results from being stored, here or on a worker."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            f"--output {folder}: {reason}; what is done is kept, and the same command resumes"
+        ) from None
+
+
 def _run(campaign: Campaign, workers: int | None, scheduler: str | None) -> Effort:
-    """Run what is missing; an interruption says how to go on."""
+    """Run what is missing; an interruption says how to go on.
+
+    Dask logs a traceback for every connection that is torn; the sentences of this command say it all.
+    """
+    logging.disable(logging.ERROR)
     try:
         with _progress(campaign.plan.name) as report:
             return campaign.run(workers=workers, scheduler=scheduler, report=report)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner, Result
 
-from sim_scenarios.campaigns import table
+from sim_scenarios.campaigns import page, store, table
 from sim_scenarios.campaigns.statistics import summarise
 from sim_scenarios.campaigns.store import open_results
 from sim_scenarios.cli.application import app
@@ -59,6 +61,44 @@ def test_bad_input_is_refused_in_a_sentence(tmp_path: Path, arguments: list[str]
     assert words.lower() in " ".join(result.stderr.lower().split())
     assert "Traceback" not in result.output
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("scenarios = []", "scenarios: list should have at least 1 item"),
+        ('scenarios = "waves"', "scenarios: input should be a valid list"),
+        ('scenarios = ["waves"]\nfilters = []', "filters: names no filter"),
+        ('scenarios = ["waves"]\nrun = 5', "run: there is no such entry; did you mean 'runs'?"),
+        ('scenarios = ["waves"', "not valid TOML"),
+    ],
+)
+def test_a_campaign_file_that_is_wrong_says_where(tmp_path: Path, content: str, words: str) -> None:
+    file = tmp_path / "plan.toml"
+    file.write_text(content, encoding="utf-8")
+    result = campaign(file, "-o", tmp_path / "results")
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_folder_with_something_else_of_that_name_is_refused(plan_file: Path, tmp_path: Path) -> None:
+    (tmp_path / store.NAME).mkdir()
+    result = campaign(plan_file, "-o", tmp_path)
+    assert result.exit_code == 2
+    assert "is not the data set of a campaign" in result.stderr
+
+
+def test_a_full_disk_is_told_in_a_sentence(
+    plan_file: Path, results_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(page, "write", full)
+    result = campaign(plan_file, "-o", results_folder)
+    assert result.exit_code == 2
+    assert "No space left on device; what is done is kept, and the same command resumes" in result.stderr
 
 
 def test_results_of_another_campaign_are_not_touched(plan_file: Path, results_folder: Path) -> None:
