@@ -73,7 +73,8 @@ format: $(READY)  ## Reformat every source file
 
 test-cpp: native  ## C++ tests
 	@echo "== C++ tests"
-	@ctest --preset native --parallel $(JOBS) --quiet
+	@ctest --preset native --parallel $(JOBS) --quiet \
+	    || { ctest --preset native --rerun-failed --output-on-failure; exit 1; }
 
 test-python: fmus  ## Python and FMU tests
 	@echo "== Python and FMU tests"
