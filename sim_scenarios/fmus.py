@@ -284,7 +284,7 @@ def load(name: str) -> Fmu:
 
 
 def find(name: str) -> Path:
-    """Path of an FMU: $TRUENORTH_FMUS, the package's own folder, then build/fmus of the checkout."""
+    """Path of an FMU: in $TRUENORTH_FMUS, else in the package's own folder or build/fmus of the checkout."""
     candidates = [folder / f"{name}.fmu" for folder in search_path()]
     for candidate in candidates:
         if candidate.is_file():
@@ -299,7 +299,7 @@ def search_path() -> list[Path]:
     """Folders in which FMUs are looked for, in this order."""
     package = Path(__file__).resolve().parent
     named = os.environ.get("TRUENORTH_FMUS")
-    return [*([Path(named)] if named else []), package / "fmus", package.parent / "build" / "fmus"]
+    return [Path(named)] if named else [package / "fmus", package.parent / "build" / "fmus"]
 
 
 def did_you_mean(name: str, known: Mapping[str, object] | list[str]) -> str:

@@ -355,6 +355,12 @@ def left_out_of_the_bound(scenario: Scenario, plant: Fmu) -> list[str]:
         for name, value in scenario.plant.items()
         if name.startswith(NOT_IN_THE_BOUND) and value != plant.start(name)
     }
+    for sensor in ("gyro", "accelerometer"):
+        drawn = parameter(scenario, plant, f"imu.{sensor}.bias_sigma")
+        if drawn > 0 and not math.isclose(
+            drawn, getattr(scenario.bound, f"{sensor}_bias_sigma"), rel_tol=1e-3
+        ):
+            in_effect.add(f"imu.{sensor}.bias_sigma")
     return [name for name in plant.arrays if name in in_effect]
 
 

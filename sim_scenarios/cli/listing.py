@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sim_scenarios.cli.options import AsJson
-from sim_scenarios.cli.terminal import print_json, print_table
+from sim_scenarios.cli.terminal import print_json, print_names
 from sim_scenarios.scenario import shipped
 
 
@@ -13,4 +13,4 @@ def list_scenarios(as_json: AsJson = False) -> None:
     if as_json:
         print_json(scenarios)
     else:
-        print_table([["scenario", "what happens"], *([name, text] for name, text in scenarios.items())])
+        print_names([["scenario", "what happens"], *([name, text] for name, text in scenarios.items())])

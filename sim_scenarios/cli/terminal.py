@@ -86,6 +86,16 @@ def print_verdict(sentence: str, good: bool) -> None:
     console().print(sentence, style=f"bold {'green' if good else 'red'}", highlight=False, markup=False)
 
 
+def print_names(rows: list[list[str]], output: Console | None = None) -> None:
+    """Names and what they stand for, the heading first. Where it is narrow the second column folds."""
+    table = Table(box=None, pad_edge=False)
+    for i, title in enumerate(rows[0]):
+        table.add_column(title, no_wrap=not i)
+    for row in rows[1:]:
+        table.add_row(*row)
+    (output or console()).print(table)
+
+
 def print_table(rows: list[list[str]], output: Console | None = None) -> None:
     """Rows, the heading first. Where it is narrow the first column folds, never a figure."""
     table = Table(box=None, pad_edge=False)

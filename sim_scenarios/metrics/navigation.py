@@ -79,7 +79,11 @@ class NavigationVerdict(Verdict):
             return f"Not navigated: {self.hand_over.failure()}"
         rmse = f"horizontal RMSE {self.horizontal:.2f} m"
         if self.ok:
-            return f"Navigated: {rmse} (limit {self.limit:.2f} m), heading {self.yaw / ARCMIN:.2f} arcmin"
+            doubt = (
+                ", but its NIS is larger than its covariance allows" if self.nis.mean > self.nis.upper else ""
+            )
+            figures = f"{rmse} (limit {self.limit:.2f} m), heading {self.yaw / ARCMIN:.2f} arcmin"
+            return f"Navigated: {figures}{doubt}"
         if not self.fit:
             return f"Not navigated: the filter is {self.status} at the end; {rmse}"
         return f"Not navigated: {rmse} is beyond the limit of {self.limit:.2f} m"

@@ -111,8 +111,10 @@ def _draw_running_mean(
     degrees = np.cumsum(channels)
     intervals = np.array([chi_square_interval(int(n)) for n in degrees]).reshape(-1, 2) / degrees[:, None]
     axes.fill_between(time, *intervals.T, color=ORANGE, alpha=0.2, lw=0, label="95 % interval")
-    axes.plot(time, np.cumsum(value) / degrees, color=BLUE, lw=1.3, label="mean NIS / channels so far")
-    axes.set_ylim(0, 3)
+    mean = np.cumsum(value) / degrees
+    axes.plot(time, mean, color=BLUE, lw=1.3, label="mean NIS / channels so far")
+    settled = mean[len(mean) // 20 :]
+    axes.set_ylim(0, max(3.0, 1.1 * settled.max(initial=0.0)))
     axes.set_ylabel("mean NIS / channels")
     axes.legend(loc="upper right", ncols=2)
 

@@ -135,6 +135,7 @@
       font: { color: ink, family: "system-ui, sans-serif", size: 12 },
       paper_bgcolor: "rgba(0,0,0,0)",
       plot_bgcolor: "rgba(0,0,0,0)",
+      modebar: { bgcolor: "rgba(0,0,0,0)", color: ink },
       hovermode: "x",
       hoverlabel: { namelength: -1 },
       showlegend: false,

@@ -75,6 +75,13 @@ def test_the_bound_of_a_scenario_knows_its_lever_arm_and_says_what_it_leaves_out
     assert data.attrs["bound.measured"] == "velocity"
 
 
+def test_the_bound_says_when_the_biases_are_drawn_otherwise_than_it_assumes(fmus) -> None:
+    sensors = {"imu.gyro.bias_sigma": "0.02 deg/h"}
+    assert bound("swaying_ship", fmus=fmus, set=sensors).attrs["bound.leaves_out"] == "imu.gyro.bias_sigma"
+    told = bound("swaying_ship", fmus=fmus, set={**sensors, "bound.gyro_bias_sigma": "0.02 deg/h"})
+    assert told.attrs["bound.leaves_out"] == ""
+
+
 @pytest.mark.parametrize("motion", ["steady", "waves", "zigzag 20"])
 def test_agrees_with_the_error_model_of_pyins(motion: str) -> None:
     trajectory = trajectories.ship(TIME, **MOTIONS[motion])

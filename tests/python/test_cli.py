@@ -15,7 +15,7 @@ from rich.console import Console
 from typer.testing import CliRunner, Result
 
 from sim_scenarios.cli.application import app
-from sim_scenarios.cli.terminal import print_table
+from sim_scenarios.cli.terminal import print_names, print_table
 
 SHORT = ["--set", "duration=60", "--set", "evaluation.start=30"]
 LONG = ["--set", "duration=320"]
@@ -227,6 +227,14 @@ def test_figures_stay_whole_at_80_columns(capsys: pytest.CaptureFixture[str]) ->
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 80
     assert any(all(cell in line for cell in cells) for line in lines)
+
+
+def test_names_are_whole_where_the_terminal_is_narrow(capsys: pytest.CaptureFixture[str]) -> None:
+    rows = [["scenario", "what happens"], ["flight_accelerometer_fault", "words " * 40]]
+    print_names(rows, Console(width=60))
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 60
+    assert lines[1].startswith("flight_accelerometer_fault")
 
 
 @pytest.mark.parametrize("delay", [0.3, 1.5])

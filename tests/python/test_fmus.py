@@ -38,11 +38,14 @@ def test_says_which_units_there_are() -> None:
         DEG.to_si("10 mg")
 
 
-def test_the_environment_comes_first(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    ordinary = search_path()
+def test_the_environment_names_the_only_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Other FMUs than those that were asked for would be worse than none."""
+    monkeypatch.delenv("TRUENORTH_FMUS", raising=False)
+    assert [folder.name for folder in search_path()] == ["fmus", "fmus"]
     monkeypatch.setenv("TRUENORTH_FMUS", str(tmp_path))
-    assert search_path() == [tmp_path, *ordinary]
-    assert [folder.name for folder in ordinary] == ["fmus", "fmus"]
+    assert search_path() == [tmp_path]
+    with pytest.raises(InputError, match=rf"TruthPlant.fmu is not in {tmp_path};"):
+        find("TruthPlant")
     (tmp_path / "TruthPlant.fmu").touch()
     assert find("TruthPlant") == tmp_path / "TruthPlant.fmu"
 
