@@ -188,7 +188,7 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         reject_fix(refusal_of(engine.corrector.gate, correction.nis, innovation.channels()));
         return;
     }
-    recovery_.pass();
+    recovery_.pass(clock_);
     told_fixes_.end();
     const Change change = engine.apply(correction);
     if (!change.finite) {

@@ -6,7 +6,8 @@
 //   3  the filter starts again from the fix, level as the mean force of late says; with the coarse stage, if it
 //      has one; the gate stands open for a while
 //   4  likewise, with another heading: no error equation finds one that is wrong by more than a right angle,
-//      but a filter that tries one after the other comes to one that is not
+//      but a filter that tries one after the other comes to one that is not. Each time the gate stands open for
+//      twice as long, up to 32 times gate.patience
 //
 // The filter climbs a rung each time that the gate has refused gate.patience fixes in a row, and is back on
 // the ground when it has gone without for twice kCalm.
@@ -28,12 +29,12 @@ class Recovery {
     // The gate has run out of patience. Returns the rung to take.
     int climb(double clock, int patience) {
         if (clock - climbed_ > 2.0 * kCalm) {
-            rung_ = 0;
+            climbs_ = 0;
         }
-        rung_ = std::min(rung_ + 1, kLast);
+        climbs_ = std::min(climbs_ + 1, kMostClimbs);
         climbed_ = clock;
-        open_for_ = rung_ > 1 ? patience : 0;
-        return rung_;
+        open_for_ = climbs_ > 1 ? patience << (climbs_ - 2) : 0;
+        return std::min(climbs_, kLast);
     }
 
     static constexpr double kHeading = 0.6;  // of a heading [rad]
@@ -41,21 +42,30 @@ class Recovery {
 
     // The next fix passes whatever its innovation.
     [[nodiscard]] bool open() const { return open_for_ > 0; }
-    void pass() { open_for_ = std::max(open_for_ - 1, 0); }
+
+    // One has passed.
+    void pass(double clock) {
+        if (open()) {
+            --open_for_;
+            climbed_ = clock;
+        }
+    }
 
     [[nodiscard]] bool under_way(double clock) const {
-        return rung_ > 0 && (open() || clock - climbed_ < kCalm);
+        return climbs_ > 0 && (open() || clock - climbed_ < kCalm);
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(rung_, open_for_, climbed_);
+        archive(climbs_, open_for_, climbed_);
     }
 
   private:
-    int rung_ = 0;
+    static constexpr int kMostClimbs = 7;  // beyond it the gate stands open no longer
+
+    int climbs_ = 0;           // in this recovery
     int open_for_ = 0;         // fixes
-    double climbed_ = -1e300;  // by the master's clock [s]
+    double climbed_ = -1e300;  // when it climbed or the gate stood open last, by the master's clock [s]
 };
 
 }  // namespace truenorth

@@ -35,10 +35,27 @@ TEST(Recovery, HoldsTheGateOpenForAWhileAndIsUnderWayMeanwhile) {
     int open = 0;
     for (; recovery.open(); ++open) {
         EXPECT_TRUE(recovery.under_way(1e6));
-        recovery.pass();
+        recovery.pass(20.0);
     }
     EXPECT_EQ(open, kPatience);
     EXPECT_FALSE(recovery.under_way(1e6));
+}
+
+TEST(Recovery, HoldsTheGateOpenForLongerEachTimeButNotForEver) {
+    Recovery recovery;
+    recovery.start();
+    int before = 0;
+    for (int k = 0; k < 20; ++k) {
+        recovery.climb(20.0 * k, kPatience);
+        int open = 0;
+        for (; recovery.open(); ++open) {
+            recovery.pass(20.0);
+        }
+        EXPECT_GE(open, before);
+        EXPECT_LE(open, 32 * kPatience);
+        before = open;
+    }
+    EXPECT_EQ(before, 32 * kPatience);
 }
 
 TEST(Recovery, IsOverWhenItHasBeenCalm) {
