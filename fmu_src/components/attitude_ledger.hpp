@@ -1,6 +1,6 @@
 // Whether the attitude that the filter set out from was as good as it said: all corrections since are held
-// against the uncertainty of then. A consistent filter corrects by a few sigmas in all; one that has corrected
-// by many was told wrong, and its covariance, which still builds on that, cannot be believed.
+// against the uncertainty of then. A consistent filter corrects by a few sigmas in all; one that has
+// corrected by many was told wrong, and its covariance, which still builds on that, cannot be believed.
 //
 // Innovations alone do not show it: information on heading comes in small parts, each within its covariance.
 #pragma once

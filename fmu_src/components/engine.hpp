@@ -51,6 +51,7 @@ class Engine {
     static constexpr int kStates = M::kStates;
     static constexpr int kMeasurements = M::kMeasurements;
     static constexpr bool kFindsPosition = Where::position.count > 0;
+    static constexpr bool kStartsWhereItIs = false;  // a new start changes nothing of its estimate
 
     // Settings; they follow from the parameters and are not part of a saved state, unlike what they learn.
     Estimator<M> estimator;
@@ -101,11 +102,11 @@ class Engine {
     }
 
     Mechanisation mechanisation_;
-    Eigen::Vector3d gyro_bias_ = Eigen::Vector3d::Zero();           // known [rad/s]
-    Eigen::Vector3d accelerometer_bias_ = Eigen::Vector3d::Zero();  // known [m/s2]
+    Eigen::Vector3d gyro_bias_ = Eigen::Vector3d::Zero();                 // known [rad/s]
+    Eigen::Vector3d accelerometer_bias_ = Eigen::Vector3d::Zero();        // known [m/s2]
     Eigen::Vector3d first_gyro_bias_ = Eigen::Vector3d::Zero();           // at the start
     Eigen::Vector3d first_accelerometer_bias_ = Eigen::Vector3d::Zero();  // likewise
-    Eigen::Vector3d found_ = Eigen::Vector3d::Zero();               // misalignment, by the last fix [rad]
+    Eigen::Vector3d found_ = Eigen::Vector3d::Zero();  // misalignment, by the last fix [rad]
 };
 
 template <ErrorModel M>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "components/adapter.hpp"
-#include "components/parameter_rules.hpp"
 #include "components/navigation_engine.hpp"
+#include "components/parameter_rules.hpp"
 #include "error_models/euler_platform.hpp"
 
 namespace truenorth {

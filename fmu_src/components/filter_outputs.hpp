@@ -23,7 +23,8 @@ inline double heading_sigma(const Eigen::Matrix3d& attitude_covariance, const Ei
     if (level < 1e-12) {
         return kAny;
     }
-    const Eigen::Vector3d gradient(forward.x() * forward.z() / level, forward.y() * forward.z() / level, -1.0);
+    const Eigen::Vector3d gradient(forward.x() * forward.z() / level, forward.y() * forward.z() / level,
+                                   -1.0);
     const double variance = gradient.dot(attitude_covariance * gradient);
     return std::sqrt(std::max(variance, 0.0));
 }

@@ -155,8 +155,8 @@ void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& widest, co
     bayes.limit = variational_bayes.limit;
 }
 
-// L and the ceiling of the H-infinity update that gives up what is due for `elapsed` seconds: nothing, if these
-// are not positive and no ceiling bounds it.
+// L and the ceiling of the H-infinity update that gives up what is due for `elapsed` seconds: nothing, if
+// these are not positive and no ceiling bounds it.
 template <class Engine, class Parameters>
 void scale_h_infinity(Engine& engine, const Parameters& p, double elapsed) {
     using Scaling = decltype(p.robust.scaling);

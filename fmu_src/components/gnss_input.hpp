@@ -58,7 +58,7 @@ class GnssInput {
     bool strays_alike(double ahead);
 
     int seen_ = 0;
-    bool any_ = false;         // a fix has been accepted
+    bool any_ = false;                                          // a fix has been accepted
     double last_time_ = std::numeric_limits<double>::lowest();  // of the last accepted fix, its stamp [s]
     earth::Position last_position_;                             // of the last finite one
     Eigen::Vector3d last_velocity_ = Eigen::Vector3d::Zero();

@@ -11,7 +11,8 @@ namespace truenorth {
 
 class ImuActivity {
   public:
-    using Rates = Eigen::Array<double, 6, 1>;  // body rate [rad/s], then specific force [m/s2]; right, forward, up
+    using Rates =
+        Eigen::Array<double, 6, 1>;  // body rate [rad/s], then specific force [m/s2]; right, forward, up
 
     // Sooner the statistics say nothing.
     static constexpr int kFewest = 50;

@@ -46,9 +46,8 @@ ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d&
         return reject(Finding::dead);
     }
     const double before = any_ || std::isnan(refused_stamp_) ? stamp() : refused_stamp_;
-    const Reading reading{.count = any_ ? advance(accepted_, sample) : 1,
-                          .dt = time - before,
-                          .elapsed = clock_ - heard_};
+    const Reading reading{
+        .count = any_ ? advance(accepted_, sample) : 1, .dt = time - before, .elapsed = clock_ - heard_};
     refused_stamp_ = time;
     if (any_ && !follows(reading, since_seen)) {
         return reject(Finding::old);
@@ -120,8 +119,8 @@ ImuInput::Verdict ImuInput::reject(Finding finding) {
     return Verdict::rejected;
 }
 
-// A time that goes back with a count that goes on is that of a clock that was set. With the count, both show an
-// old sample, unless they go on from there: a sensor that was switched off and on.
+// A time that goes back with a count that goes on is that of a clock that was set. With the count, both show
+// an old sample, unless they go on from there: a sensor that was switched off and on.
 bool ImuInput::follows(const Reading& reading, std::int64_t since_seen) {
     if (reading.dt > kTimeTolerance) {
         return true;

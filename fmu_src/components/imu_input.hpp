@@ -45,7 +45,8 @@ class ImuInput {
     // data.
     static constexpr double kLargestRate = 50.0;     // [rad/s]
     static constexpr double kLargestForce = 2000.0;  // [m/s2]
-    // Of the mean of twenty seconds, and of the first samples. Rates put out in place of increments are beyond.
+    // Of the mean of twenty seconds, and of the first samples. Rates put out in place of increments are
+    // beyond.
     static constexpr double kLargestMeanForce = 80.0;  // [m/s2]
     // Over a longer interval no increment and no mean rate describes the motion of a vehicle.
     static constexpr double kLongestInterval = 10.0;  // [s]
@@ -89,8 +90,9 @@ class ImuInput {
     template <class Archive>
     void serialize(Archive& archive) {
         archive(increment_, time_, offset_, clock_, heard_, suspected_, any_, gap_, seen_, accepted_,
-                refused_, refused_stamp_, rejected_, missed_, disagreements_, period_, stride_, new_stride_, new_strides_,
-                jumps_, old_, doubtful_angle_, doubtful_velocity_, stuck_for_, finding_, activity_);
+                refused_, refused_stamp_, rejected_, missed_, disagreements_, period_, stride_, new_stride_,
+                new_strides_, jumps_, old_, doubtful_angle_, doubtful_velocity_, stuck_for_, finding_,
+                activity_);
     }
 
   private:
@@ -131,7 +133,8 @@ class ImuInput {
     int seen_ = 0;      // sample count last looked at
     int accepted_ = 0;  // sample count last accepted
     int refused_ = 0;   // since the last accepted one
-    double refused_stamp_ = std::numeric_limits<double>::quiet_NaN();  // of the last one, before any was accepted
+    double refused_stamp_ =
+        std::numeric_limits<double>::quiet_NaN();  // of the last one, before any was accepted
     int rejected_ = 0;
     int missed_ = 0;
     int disagreements_ = 0;
@@ -139,8 +142,8 @@ class ImuInput {
     std::int64_t stride_ = 1;      // by which the count advances from sample to sample
     std::int64_t new_stride_ = 1;  // by which it advanced at the last new_strides_ samples
     int new_strides_ = 0;
-    int jumps_ = 0;                // samples in a row with an axis out of line
-    int old_ = 0;                  // samples in a row whose time does not follow that of the last accepted one
+    int jumps_ = 0;  // samples in a row with an axis out of line
+    int old_ = 0;    // samples in a row whose time does not follow that of the last accepted one
     Eigen::Vector3d doubtful_angle_ = Eigen::Vector3d::Zero();
     Eigen::Vector3d doubtful_velocity_ = Eigen::Vector3d::Zero();
     Rates stuck_for_ = Rates::Zero();  // [s]

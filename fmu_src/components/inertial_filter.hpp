@@ -7,8 +7,8 @@
 //
 // A model may begin with a coarse stage, in which fixes are collected rather than filtered.
 //
-// What the filter says of its health runs on the master's clock. A fix waits for the IMU sample that covers it;
-// a filter whose gate refuses one fix after another is on a way back that does not end (recovery.hpp).
+// What the filter says of its health runs on the master's clock. A fix waits for the IMU sample that covers
+// it; a filter whose gate refuses one fix after another is on a way back that does not end (recovery.hpp).
 //
 // `Interface` names the generated variables of a component, `Engines` the models that it offers (engine.hpp).
 // The definitions stand in inertial_filter_run.hpp and inertial_filter_fix.hpp, for the file of each
@@ -22,6 +22,7 @@
 #include "components/attitude_ledger.hpp"
 #include "components/filter_status.hpp"
 #include "components/gnss_input.hpp"
+#include "components/heading_finder.hpp"
 #include "components/imu_input.hpp"
 #include "components/log.hpp"
 #include "components/navigation_engine.hpp"
@@ -49,9 +50,9 @@ class InertialFilter {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(parameters, inputs, outputs, imu_, gnss_, waiting_, history_, travelled_, status_, nis_window_,
-                recovery_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_, told_long_interval_, told_samples_,
-                told_fixes_);
+        archive(parameters, inputs, outputs, imu_, gnss_, waiting_, history_, travelled_, status_,
+                nis_window_, recovery_, finder_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_,
+                told_long_interval_, told_samples_, told_fixes_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
             configure_engine();
@@ -96,7 +97,8 @@ class InertialFilter {
     void correct(E& engine, const Port& port, const GnssFix& fix, const AntennaState& then);
     template <class E, class Fix>
     void correct_coarsely(E& engine, const Fix& fix);
-    [[nodiscard]] Eigen::Matrix3d level_again(const NavigationState& state, bool another_heading) const;
+    [[nodiscard]] Eigen::Matrix3d levelled(const NavigationState& state) const;
+    void turn(const Eigen::Matrix3d& rotation);
     template <class E, class Residual>
     void recover(E& engine, const Sighting& seen, const Residual& residual);
     void note_use();
@@ -122,6 +124,7 @@ class InertialFilter {
     FilterStatus status_;
     NisWindow nis_window_;
     Recovery recovery_;
+    HeadingFinder finder_;
     AttitudeLedger ledger_;
     double opened_ = 0.0;      // when it was, by the filter's clock [s]
     double clock_ = 0.0;       // the master's [s]

@@ -1,7 +1,6 @@
 // What inertial_filter.hpp does with a fix.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "components/inertial_filter_run.hpp"
@@ -86,10 +85,9 @@ GnssFix InertialFilter<Interface, Engines...>::fix_at(const Port& port) {
 template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::take_fix() {
     const Port& port = inputs.gnss;
-    const auto verdict = gnss_.read(port.sample, fix_at(port),
-                                    {.now = imu_.time() + imu_.silent_for(),
-                                     .offset = imu_.offset(),
-                                     .slack = imu_.increment().dt});
+    const auto verdict = gnss_.read(
+        port.sample, fix_at(port),
+        {.now = imu_.time() + imu_.silent_for(), .offset = imu_.offset(), .slack = imu_.increment().dt});
     const bool came = verdict != GnssInput::Verdict::stale;
     if (verdict == GnssInput::Verdict::accepted) {
         if (waiting_.full()) {
@@ -118,6 +116,7 @@ void InertialFilter<Interface, Engines...>::use(const Port& port, double valid_a
         return;
     }
     question_place(fix, *then);
+    finder_.add(*then, fix.velocity, parameters.measurement.velocity_sigma);
     predict();
     if (!status_.faulted()) {
         std::visit([&](auto& engine) { correct(engine, port, fix, *then); }, engine_);
@@ -142,8 +141,8 @@ void InertialFilter<Interface, Engines...>::reject_fix(Refusal refusal) {
     ++outputs.rejected_fixes;
     outputs.measurement_weight.setZero();
     if (log_->listens() && told_fixes_.tell(static_cast<int>(refusal), clock_)) {
-        log_->event(text("fix ", inputs.gnss.sample, " (gnss.time = ", inputs.gnss.time, " s) rejected: ",
-                         reason(refusal), and_others(told_fixes_.omitted())));
+        log_->event(text("fix ", inputs.gnss.sample, " (gnss.time = ", inputs.gnss.time,
+                         " s) rejected: ", reason(refusal), and_others(told_fixes_.omitted())));
     }
 }
 
@@ -204,7 +203,7 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
     }
 
     ledger_.turn(change.rotation);
-    history_.turn(change.rotation, travelled_);
+    turn(change.rotation);
     history_.shift(change.velocity, change.displacement);
 
     if constexpr (!E::kFindsPosition) {  // and perhaps the vertical velocity is no state either
@@ -230,7 +229,7 @@ void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fi
     note_use();
     ++outputs.used_fixes;
     publish_no_innovation(outputs);
-    history_.turn(change.rotation, travelled_);
+    turn(change.rotation);
     history_.shift(change.velocity, change.displacement);
     if (!engine.is_coarse()) {
         open_ledger(engine);
@@ -259,14 +258,18 @@ void InertialFilter<Interface, Engines...>::scale(E& engine) {
     scale_h_infinity(engine, parameters, std::min(imu_.time() - last_fix_, left));
 }
 
-// The rotation of an attitude, ENU, after which the mean force of late points up; perhaps to another heading.
+// The computed level frame has been turned: what is kept of the past turns with it.
 template <class Interface, class... Engines>
-Eigen::Matrix3d InertialFilter<Interface, Engines...>::level_again(const NavigationState& state,
-                                                                   bool another_heading) const {
+void InertialFilter<Interface, Engines...>::turn(const Eigen::Matrix3d& rotation) {
+    history_.turn(rotation, travelled_);
+    finder_.turn(rotation, travelled_);
+}
+
+// The rotation of an attitude, ENU, after which the mean force of late points up.
+template <class Interface, class... Engines>
+Eigen::Matrix3d InertialFilter<Interface, Engines...>::levelled(const NavigationState& state) const {
     const Eigen::Vector3d force = state.q_bn * imu_.mean_force();
-    const auto level = Eigen::Quaterniond::FromTwoVectors(force, Eigen::Vector3d::UnitZ());
-    const Eigen::AngleAxisd turn(another_heading ? Recovery::kAnotherHeading : 0.0, Eigen::Vector3d::UnitZ());
-    return (turn * level).toRotationMatrix();
+    return Eigen::Quaterniond::FromTwoVectors(force, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
 // The gate has refused so many fixes in a row that something else than the fixes is to be blamed: what,
@@ -276,13 +279,16 @@ template <class E, class Residual>
 void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& seen,
                                                     const Residual& residual) {
     const int rung = recovery_.climb(clock_, parameters.gate.patience);
+    const bool found = finder_.tells();
     if (log_->listens()) {
-        constexpr std::array<const char*, Recovery::kLast> deeds{
-            "position and velocity are taken from the next", "attitude and sensors are in doubt with it",
-            "and the filter starts again from the next",
-            "and the filter starts again from the next, with another heading"};
-        log_->event(text("the gate refused ", parameters.gate.patience, " fixes in a row until ", rounded(clock_),
-                         " s (gate.patience): the prediction is blamed, ", deeds[rung - 1]));
+        const char* deed = rung == 1 ? "position and velocity are taken from the next"
+                           : found
+                               ? "and the filter starts again, with the heading that changes of velocity tell"
+                           : rung < Recovery::kRestart ? "attitude and sensors are in doubt with it"
+                           : rung < Recovery::kLast    ? "and the filter starts again from the next"
+                                                       : "and the filter starts again, with another heading";
+        log_->event(text("the gate refused ", parameters.gate.patience, " fixes in a row until ",
+                         rounded(clock_), " s (gate.patience): the prediction is blamed, ", deed));
     }
     nis_window_.restart();
     engine.corrector.restart();
@@ -294,23 +300,30 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
     if constexpr (requires { E::Where::discrepancy(residual); }) {
         off = E::Where::discrepancy(residual);
     }
-    if (rung >= Recovery::kRestart) {
-        Change change{.rotation = level_again(engine.best(), rung == Recovery::kLast)};
+    if (rung >= Recovery::kRestart || (rung > 1 && found)) {
+        const double angle = found                     ? finder_.angle()
+                             : rung == Recovery::kLast ? Recovery::kAnotherHeading
+                                                       : 0.0;
+        const Eigen::AngleAxisd heading(angle, Eigen::Vector3d::UnitZ());
+        Change proposal{.rotation = heading * levelled(engine.best())};
         if (directed) {
-            const auto& measurement = parameters.measurement;
-            const double place = std::max(measurement.position_sigma, measurement.height_sigma);
-            change.velocity = -off.velocity;
-            change.displacement = -off.position;
-            off = {.position = Eigen::Vector3d::Constant(place),
-                   .velocity = Eigen::Vector3d::Constant(measurement.velocity_sigma)};
+            proposal.velocity = -off.velocity;
+            proposal.displacement = -off.position;
         }
-        engine.start_again(change, {Recovery::kTilt, Recovery::kTilt, Recovery::kHeading});
-        history_.turn(change.rotation, travelled_);
+        const double sigma = engine.kStartsWhereItIs ? Recovery::kAnyHeading
+                             : found                 ? Recovery::kTilt + finder_.sigma()
+                                                     : Recovery::kHeading;
+        const Change change = engine.start_again(proposal, {Recovery::kTilt, Recovery::kTilt, sigma}, off);
+        turn(change.rotation);
         history_.shift(change.velocity, change.displacement);
+        const auto& measurement = parameters.measurement;
+        const double place = std::max(measurement.position_sigma, measurement.height_sigma);
+        off = {.position = Eigen::Vector3d::Constant(place),
+               .velocity = Eigen::Vector3d::Constant(measurement.velocity_sigma)};
     }
     Uncertainty more{.velocity = off.velocity.cwiseAbs2().asDiagonal(),
                      .position = off.position.cwiseAbs2().asDiagonal()};
-    if (rung == 2) {
+    if (rung == 2 && !found) {
         const Eigen::Vector3d sigma(Recovery::kTilt, Recovery::kTilt, Recovery::kHeading);
         more.attitude = sigma.cwiseAbs2().asDiagonal();
         more.sensors = 1.0;

@@ -17,6 +17,13 @@ inline constexpr double kLongestGoodInterval = 1.0;  // [s]
 // 3000 is beyond gate.threshold, of a receiver in a bad place one in twenty.
 inline constexpr int kContradictions = 5;
 
+// Finite, and where and as fast as a fix may be, with something to spare.
+inline bool possible(const NavigationState& state) {
+    return state.finite() && state.velocity.norm() < 2.0 * GnssInput::kLargestSpeed &&
+           state.position.height > 2.0 * GnssInput::kLowest &&
+           state.position.height < 2.0 * GnssInput::kHighest;
+}
+
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::check() const {
     Interface::validate(parameters);
@@ -70,6 +77,7 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     history_ = AntennaHistory{};
     history_.push(antenna());
     waiting_.clear();
+    finder_.start();
     nis_window_.restart();
     recovery_.start();
     status_.start(clock_);  // which may be long after that of the component
@@ -116,8 +124,8 @@ void InertialFilter<Interface, Engines...>::advance(double clock) {
         return;
     }
     if (!status_.faulted() &&
-        !std::visit([](const auto& engine) { return engine.best().finite(); }, engine_)) {
-        fault("the navigation state is not finite");
+        !std::visit([](const auto& engine) { return possible(engine.best()); }, engine_)) {
+        fault("the navigation state is not finite, or nowhere near the Earth");
     }
     publish();
 }
@@ -212,7 +220,8 @@ inline const char* reason(ImuInput::Finding finding) {
         case Finding::old:
             return "its time does not follow that of the last one";
         case Finding::no_increment:
-            return "the force is far beyond gravity for too long: imu.delta_angle and imu.delta_velocity must be "
+            return "the force is far beyond gravity for too long: imu.delta_angle and imu.delta_velocity "
+                   "must be "
                    "increments over the interval, not rates";
         case Finding::jump:
             return "an axis leapt out of line; its value before was held";
@@ -323,8 +332,9 @@ void InertialFilter<Interface, Engines...>::fault(const char* reason) {
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish() {
     if (!status_.faulted()) {
-        std::visit([this](const auto& engine) { publish_estimate(outputs, engine, imu_.stamp(), parameters); },
-                   engine_);
+        std::visit(
+            [this](const auto& engine) { publish_estimate(outputs, engine, imu_.stamp(), parameters); },
+            engine_);
     }
     publish_health();
 }
@@ -388,17 +398,19 @@ void InertialFilter<Interface, Engines...>::publish_status() {
         return;
     }
     if (state == State::inconsistent) {
-        log_->event(text("innovations contradict their covariance at ", rounded(clock_), " s: nis_mean is ",
-                         rounded(outputs.nis_mean), ", must be about 1 (consistency.limit), ", kContradictions,
-                         " fixes in a row were beyond gate.threshold, or the attitude was corrected by more than "
-                         "the sigmas it set out with"));
+        log_->event(
+            text("innovations contradict their covariance at ", rounded(clock_), " s: nis_mean is ",
+                 rounded(outputs.nis_mean), ", must be about 1 (consistency.limit), ", kContradictions,
+                 " fixes in a row were beyond gate.threshold, or the attitude was corrected by more than "
+                 "the sigmas it set out with"));
     }
     if (state == State::silent) {
         log_->event(text("no usable IMU sample since ", rounded(clock_ - imu_.silent_for()),
                          " s by the master's clock: the estimate stands still"));
     }
     if (outputs.converged || was == State::converged) {
-        log_->event(text(outputs.converged ? "converged" : "no longer converged", " at ", rounded(clock_), " s"));
+        log_->event(
+            text(outputs.converged ? "converged" : "no longer converged", " at ", rounded(clock_), " s"));
     }
 }
 

@@ -26,8 +26,8 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
     using typename Base::Where;
     using Covariance = Matrix<Base::kStates>;
 
-    // Settings of the coarse stage: the heading sigma that ends it [rad], whether the filter begins with it, and
-    // whether it goes through it when it starts again.
+    // Settings of the coarse stage: the heading sigma that ends it [rad], whether the filter begins with it,
+    // and whether it goes through it when it starts again.
     double coarse_heading_sigma = 0.0524;
     bool begins_coarsely = false;
     bool resumes_coarsely = false;
@@ -37,9 +37,8 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
     void forget();
     void forget(const Eigen::Vector3d& attitude_sigma);
 
-    // Starts again: attitude turned, velocity and position moved, with the prior and these sigmas of the
-    // attitude, east, north, up [rad].
-    void start_again(const Change& change, const Eigen::Vector3d& attitude_sigma);
+    // Starts again with the prior, an attitude of these sigmas [rad], and as proposed. Returns what changed.
+    Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma, const Discrepancy& off);
 
     // Its errors are in body axes. A coarse stage keeps the doubt for the filter that follows.
     void add_uncertainty(const Uncertainty& more);
@@ -148,12 +147,14 @@ void InvariantEngine<coloured>::forget(const Eigen::Vector3d& attitude_sigma) {
 }
 
 template <bool coloured>
-void InvariantEngine<coloured>::start_again(const Change& change, const Eigen::Vector3d& attitude_sigma) {
-    mechanisation_.state = change.of(mechanisation_.state);
+Change InvariantEngine<coloured>::start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma,
+                                              const Discrepancy& /*off*/) {
+    mechanisation_.state = proposal.of(mechanisation_.state);
     this->forget_sensors();
     estimator.state = M::State::of(mechanisation_.state);
     estimator.state.sensors.template head<6>() << this->gyro_bias_, this->accelerometer_bias_;
     forget(attitude_sigma);
+    return proposal;
 }
 
 template <bool coloured>
@@ -274,8 +275,8 @@ void InvariantEngine<coloured>::misalign(const Eigen::Matrix3d& C_bn, const Eige
 template <bool coloured>
 void InvariantEngine<coloured>::take_again() {
     this->corrector.restart();
-    filter_along_trajectory(estimator.model, estimator.state, estimator.covariance,
-                            coarse_.after_first_fix(), [this](const auto& prior, const auto& innovation) {
+    filter_along_trajectory(estimator.model, estimator.state, estimator.covariance, coarse_.after_first_fix(),
+                            [this](const auto& prior, const auto& innovation) {
                                 return this->corrector.correct(prior, innovation);
                             });
     const Uncertainty doubted = coarse_.doubted();
@@ -289,10 +290,8 @@ void InvariantEngine<coloured>::refresh() {
     to_navigation_ = J.template topLeftCorner<3, 3>();
     covariance_ = J * estimator.covariance * J.transpose();
     if constexpr (coloured) {
-        covariance_.template middleRows<6>(M::kGyro) +=
-            covariance_.template middleRows<6>(M::kGyroMarkov);
-        covariance_.template middleCols<6>(M::kGyro) +=
-            covariance_.template middleCols<6>(M::kGyroMarkov);
+        covariance_.template middleRows<6>(M::kGyro) += covariance_.template middleRows<6>(M::kGyroMarkov);
+        covariance_.template middleCols<6>(M::kGyro) += covariance_.template middleCols<6>(M::kGyroMarkov);
     }
     symmetrise(covariance_);
 }

@@ -1,8 +1,8 @@
 // The loosely coupled model (Li) in a filter.
 #pragma once
 
-#include "components/position_fix.hpp"
 #include "components/navigation_engine.hpp"
+#include "components/position_fix.hpp"
 #include "error_models/loose.hpp"
 
 namespace truenorth {

@@ -19,6 +19,8 @@ class NavigationEngine : public Engine<M> {
     using Base::estimator;
     using typename Base::Where;
 
+    static constexpr bool kStartsWhereItIs = true;
+
     bool feedback = true;
 
     void start(const Start& start);
@@ -42,9 +44,10 @@ class NavigationEngine : public Engine<M> {
     // Moves the mechanisation in what the model has no states for: velocity [m/s] and position [m], ENU.
     void move(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement);
 
-    // Starts again: attitude turned, velocity and position moved, with the prior and these sigmas of the
-    // attitude, east, north, up [rad].
-    void start_again(const Change& change, const Eigen::Vector3d& attitude_sigma);
+    // Starts again where it is, with the prior and an attitude of these sigmas [rad]; position and velocity
+    // are as uncertain as the fix is far off. Returns what changed, which is nothing: the equations of its
+    // errors find any heading from here, and they do it sooner with what has been learned of the sensors.
+    Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma, const Discrepancy& off);
 
     // The navigation state, corrected by the estimate.
     [[nodiscard]] NavigationState best() const;
@@ -127,11 +130,13 @@ void NavigationEngine<M>::move(const Eigen::Vector3d& velocity, const Eigen::Vec
 }
 
 template <ErrorModel M>
-void NavigationEngine<M>::start_again(const Change& change, const Eigen::Vector3d& attitude_sigma) {
-    mechanisation_.state = change.of(best());
-    estimator.state.setZero();
-    this->forget_sensors();
-    this->forget(attitude_sigma);
+Change NavigationEngine<M>::start_again(const Change& /*proposal*/, const Eigen::Vector3d& attitude_sigma,
+                                        const Discrepancy& off) {
+    this->forget();
+    this->add_uncertainty({.attitude = attitude_sigma.cwiseAbs2().asDiagonal(),
+                           .velocity = off.velocity.cwiseAbs2().asDiagonal(),
+                           .position = off.position.cwiseAbs2().asDiagonal()});
+    return {};
 }
 
 template <ErrorModel M>

@@ -1,13 +1,17 @@
-// The way back of a filter whose gate refuses one fix after another: a ladder whose rungs forget more and more
-// of what contradicts the fixes, and which has no end.
+// The way back of a filter whose gate refuses one fix after another: a ladder whose rungs forget more and
+// more of what contradicts the fixes, and which has no end.
 //
 //   1  what the fix measures is as uncertain as the fix is far off: it passes, and sets them
 //   2  the attitude and the sensors are blamed too, and the gate stands open for a while
-//   3  the filter starts again from the fix, level as the mean force of late says; with the coarse stage, if it
+//   3  the filter starts again from the fix, level as the mean force of late says; with the coarse stage, if
+//   it
 //      has one; the gate stands open for a while
 //   4  likewise, with another heading: no error equation finds one that is wrong by more than a right angle,
-//      but a filter that tries one after the other comes to one that is not. Each time the gate stands open for
-//      twice as long, up to 32 times gate.patience
+//      but a filter that tries one after the other comes to one that is not. Each time the gate stands open
+//      for twice as long, up to 32 times gate.patience
+//
+// Where changes of velocity tell the heading (heading_finder.hpp), it is taken from there from the second
+// rung on.
 //
 // The filter climbs a rung each time that the gate has refused gate.patience fixes in a row, and is back on
 // the ground when it has gone without for twice kCalm.
@@ -21,8 +25,8 @@ class Recovery {
   public:
     static constexpr int kRestart = 3;
     static constexpr int kLast = 4;
-    static constexpr double kTilt = 0.1;    // sigma of a tilt that is in doubt [rad]
-    static constexpr double kCalm = 60.0;   // after the last rung the filter is recovering for so long [s]
+    static constexpr double kTilt = 0.1;   // sigma of a tilt that is in doubt [rad]
+    static constexpr double kCalm = 60.0;  // after the last rung the filter is recovering for so long [s]
 
     void start() { *this = Recovery{}; }
 
@@ -37,8 +41,10 @@ class Recovery {
         return std::min(climbs_, kLast);
     }
 
-    static constexpr double kHeading = 0.6;  // of a heading [rad]
-    static constexpr double kAnotherHeading = 2.39996;  // the golden angle: the next try is far from all before [rad]
+    static constexpr double kHeading = 0.6;     // of a heading near the one that is tried [rad]
+    static constexpr double kAnyHeading = 1.8;  // of one that may be any: uniform on the circle [rad]
+    static constexpr double kAnotherHeading =
+        2.39996;  // the golden angle: the next try is far from all before [rad]
 
     // The next fix passes whatever its innovation.
     [[nodiscard]] bool open() const { return open_for_ > 0; }

@@ -31,12 +31,13 @@ class StateEngine : public Engine<M> {
     // Corrects the state. The correction must have been used.
     Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction);
 
-    // Starts again: attitude turned, velocity and position moved, with the prior and these sigmas of the
-    // attitude, east, north, up [rad].
-    void start_again(const Change& change, const Eigen::Vector3d& attitude_sigma) {
+    // Starts again with the prior, an attitude of these sigmas [rad], and as proposed. Returns what changed.
+    Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma,
+                       const Discrepancy& /*off*/) {
         this->forget(attitude_sigma);
-        estimator.state = change.of(estimator.state);
+        estimator.state = proposal.of(estimator.state);
         mechanisation_.state = estimator.state;
+        return proposal;
     }
 
     [[nodiscard]] const NavigationState& best() const { return estimator.state; }

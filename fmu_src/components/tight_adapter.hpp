@@ -57,8 +57,9 @@ struct Adapter<Tight> {
 
     // How far off the fix is at most: of the ranges [m], of the range rates [m/s].
     static Discrepancy discrepancy(const Vector<Tight::kMeasurements>& residual) {
-        return {.position = Eigen::Vector3d::Constant(residual.head<Tight::kChannels>().cwiseAbs().maxCoeff()),
-                .velocity = Eigen::Vector3d::Constant(residual.tail<Tight::kChannels>().cwiseAbs().maxCoeff())};
+        return {
+            .position = Eigen::Vector3d::Constant(residual.head<Tight::kChannels>().cwiseAbs().maxCoeff()),
+            .velocity = Eigen::Vector3d::Constant(residual.tail<Tight::kChannels>().cwiseAbs().maxCoeff())};
     }
 
     // Channels whose values are not finite or impossible count as absent.

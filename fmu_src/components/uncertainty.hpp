@@ -1,5 +1,5 @@
-// What a filter can say of a navigation state besides its estimate, whatever its model: by how much more it is
-// uncertain, and how far a fix is off. East, north, up.
+// What a filter can say of a navigation state besides its estimate, whatever its model: by how much more it
+// is uncertain, and how far a fix is off. East, north, up.
 #pragma once
 
 #include <Eigen/Core>

@@ -8,10 +8,10 @@
 // eq. 17 prints P_k, the posterior of eq. 14, for the predicted P_k^-. An outlier of the measurement is
 // thereby taken at its word: against outliers this corrector is the wrong one.
 //
-// What Li does not print: alpha has a floor, and of the posterior no state's sigma is left larger than `widest`,
-// by scaling it with its correlations. Every large innovation would otherwise divide again what no measurement
-// sees, a heading at rest or the bias of a sensor, until nothing is left of P- / alpha - K S K^T but rounding,
-// or the next measurement moves it anywhere.
+// What Li does not print: alpha has a floor, and of the posterior no state's sigma is left larger than
+// `widest`, by scaling it with its correlations. Every large innovation would otherwise divide again what no
+// measurement sees, a heading at rest or the bias of a sensor, until nothing is left of P- / alpha - K S K^T
+// but rounding, or the next measurement moves it anywhere.
 #pragma once
 
 #include <algorithm>

@@ -7,7 +7,8 @@
 namespace truenorth::forgetting {
 
 inline constexpr int kMostStates = 24;
-using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostStates, kMostStates>;
+using Matrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostStates, kMostStates>;
 using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostStates, 1>;
 
 // An eigenvalue of L P_post L / gamma^2 beyond this counts as infeasible: it would grow a thousandfold.

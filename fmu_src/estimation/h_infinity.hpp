@@ -42,9 +42,9 @@ class HInfinity {
             return result;
         }
         forgetting::Matrix posterior = result.covariance;
-        result.feasible = ceiling
-                              ? forgetting::forget_below(posterior, scale, gamma, ceiling->sigma, ceiling->limit)
-                              : forgetting::forget(posterior, scale, gamma);
+        result.feasible =
+            ceiling ? forgetting::forget_below(posterior, scale, gamma, ceiling->sigma, ceiling->limit)
+                    : forgetting::forget(posterior, scale, gamma);
         result.covariance = posterior;
         // Backing off means to forget nothing at this update. A gamma that is just feasible would instead let
         // what the measurement does not see grow without bound from update to update.

@@ -10,7 +10,9 @@ namespace {
 using Eigen::AngleAxisd;
 using Eigen::Vector3d;
 
-Eigen::Matrix3d about(const Vector3d& axis, double angle) { return AngleAxisd(angle, axis).toRotationMatrix(); }
+Eigen::Matrix3d about(const Vector3d& axis, double angle) {
+    return AngleAxisd(angle, axis).toRotationMatrix();
+}
 
 TEST(AttitudeLedger, AddsUpCorrectionsInSigmasOfTheStart) {
     AttitudeLedger ledger;

@@ -105,8 +105,8 @@ TEST(GnssInput, RejectsAReceiverThatHangsButNotOneThatStands) {
     }
 }
 
-// A fix a second, 0.2 s late, from a receiver whose clock is off by `offset(second)`; how many are accepted of
-// those from `from` on, and the last time of validity.
+// A fix a second, 0.2 s late, from a receiver whose clock is off by `offset(second)`; how many are accepted
+// of those from `from` on, and the last time of validity.
 template <class Offset, class ImuOffset>
 std::pair<int, double> accepted(GnssInput& gnss, int from, int to, Offset offset, ImuOffset imu_offset) {
     int count = 0;

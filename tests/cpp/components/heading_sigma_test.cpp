@@ -46,8 +46,8 @@ TEST(HeadingSigma, OfALevelBodyIsThatOfTheAzimuth) {
 
 TEST(HeadingSigma, StraightUpIsThatOfAnyHeading) {
     const Matrix3d up = dcm({.roll = 0.0, .pitch = 90.0 * kDegree, .heading = 0.0});
-    EXPECT_NEAR(heading_sigma(Matrix3d::Identity() * 1e-6, Eigen::Quaterniond(up)), std::numbers::pi / std::numbers::sqrt3,
-                1e-12);
+    EXPECT_NEAR(heading_sigma(Matrix3d::Identity() * 1e-6, Eigen::Quaterniond(up)),
+                std::numbers::pi / std::numbers::sqrt3, 1e-12);
 }
 
 }  // namespace

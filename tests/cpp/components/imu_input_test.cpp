@@ -42,7 +42,8 @@ class ImuInputTest : public testing::Test {
                   const Vector3d& more_velocity = Vector3d::Zero()) {
         std::normal_distribution<double> normal(0.0, 1e-5);
         const auto noise = [&] { return Vector3d(normal(random), normal(random), normal(random)); };
-        return imu.read(sample, time, kAngle + noise() + more_angle, kVelocity + noise() + more_velocity, clock);
+        return imu.read(sample, time, kAngle + noise() + more_angle, kVelocity + noise() + more_velocity,
+                        clock);
     }
 
     ImuInput imu;
@@ -412,7 +413,8 @@ TEST_F(ImuInputTest, DoubtsAnAxisThatStandsStill) {
         time += kPeriod;
         clock += kPeriod;
         const double rate = 0.1 * std::sin(time);
-        Vector3d angle(1e-6 * std::sin(7.0 * time), 1e-6 * std::sin(9.0 * time), stuck ? 5e-4 : rate * kPeriod);
+        Vector3d angle(1e-6 * std::sin(7.0 * time), 1e-6 * std::sin(9.0 * time),
+                       stuck ? 5e-4 : rate * kPeriod);
         ASSERT_EQ(imu.read(sample, time, angle, kVelocity * (1.0 + 1e-6 * std::sin(time)), clock),
                   Verdict::accepted);
         doubt = std::hypot(doubt, imu.doubtful_angle().z());
