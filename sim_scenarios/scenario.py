@@ -10,7 +10,6 @@ shipped scenario states only what differs; its table `compare` replaces the whol
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -25,6 +24,7 @@ from pydantic import (
     model_validator,
 )
 
+from sim_scenarios import toml
 from sim_scenarios.bounds import Knowledge
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import (
@@ -38,12 +38,8 @@ from sim_scenarios.fmus import (
     Unit,
     did_you_mean,
 )
+from sim_scenarios.names import Label, Name, Text
 from sim_scenarios.units import DEGREE
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 SHIPPED: Final = Path(__file__).parent / "scenarios"
 
@@ -148,9 +144,9 @@ class Prior(Table):
 class Scenario(Table):
     """A scenario, checked against the FMUs; FMU parameters by scalar name in the FMU's units."""
 
-    name: str
-    description: str
-    notes: str = ""
+    name: Name
+    description: Text
+    notes: Text = ""
     duration: Time = 600.0
     communication_step: Time = 0.01
     recording_period: Time = 0.1
@@ -161,7 +157,7 @@ class Scenario(Table):
     plant: PlantParameters = {}
     filter: FilterParameters = {}
     alignment: AlignmentParameters | None = None
-    compare: dict[str, FilterParameters] = Field(default={})
+    compare: dict[Label, FilterParameters] = Field(default={})
 
     @model_validator(mode="after")
     def _times_fit(self) -> Scenario:
@@ -264,11 +260,11 @@ def load_scenario(
 def scenario_path(name: str | Path) -> Path:
     """Path of a scenario given by name or path."""
     if isinstance(name, Path) or name.endswith(".toml") or "/" in name:
-        if Path(name).is_file():
+        if toml.exists(Path(name)):
             return Path(name)
         raise InputError(f"there is no scenario file {name}")
     path = SHIPPED / f"{name}.toml"
-    if path.is_file():
+    if toml.exists(path):
         return path
     names = [p.stem for p in sorted(SHIPPED.glob("*.toml"))]
     hint = did_you_mean(name, names) or f"; there are {', '.join(names)}, or give the path of a .toml file"
@@ -277,17 +273,14 @@ def scenario_path(name: str | Path) -> Path:
 
 def _read(path: Path, above: tuple[Path, ...] = ()) -> dict[str, Any]:
     """Content of a scenario file upon that of the one it extends; `above` are those that extend it."""
-    try:
-        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+    table = toml.read(path)
     if "extends" not in table:
         return table
     try:
         below = scenario_path(str(table.pop("extends")))
     except InputError as error:
         raise InputError(f"{path}: extends: {error}") from None
-    if below in (*above, path):
+    if below.resolve() in [one.resolve() for one in (*above, path)]:
         raise InputError(f"{path}: extends: {below} extends this file in turn")
     base = _read(below, (*above, path))
     if "compare" in table:
@@ -305,14 +298,6 @@ def _merged(base: dict[str, Any], upper: dict[str, Any]) -> dict[str, Any]:
         else:
             merged[key] = value
     return merged
-
-
-def toml_value(text: str) -> object:
-    """A value as it stands in a scenario file; a bare text needs no quotes."""
-    try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        return text.strip()
 
 
 def _check(table: Mapping[str, Any], parts: Parts, where: Path | str) -> Scenario:

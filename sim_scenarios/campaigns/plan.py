@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -30,29 +29,26 @@ from typing import Annotated, Any, Final
 
 from pydantic import Field, ValidationError
 
+from sim_scenarios import toml
 from sim_scenarios.campaigns.quantities import FIGURES, SERIES
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
+from sim_scenarios.names import Label, Name, Text
 from sim_scenarios.scenario import Scenario, Table, load_scenario, scenario_path
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 SHIPPED: Final = Path(__file__).parent / "shipped"
 LARGEST_SEED: Final = 2**31 - 1
 MOST_BATCHES: Final = 50
 LARGEST_BATCH: Final = 16
 
-Filters = tuple[str, ...] | dict[str, dict[str, Any]] | None
+Filters = tuple[str, ...] | dict[Label, dict[str, Any]] | None
 
 
 class Plan(Table):
     """A campaign, as its file says it."""
 
-    name: str
-    description: str = ""
+    name: Name
+    description: Text = ""
     scenarios: Annotated[tuple[str, ...], Field(min_length=1)]
     filters: Filters = None
     reference: str | None = None
@@ -163,10 +159,10 @@ def fingerprint(plan: Plan, made: Sequence[Case], versions: Mapping[str, str]) -
 def _campaign_path(name: str | Path) -> Path | None:
     """Path of a campaign file; None if the name is a scenario's."""
     shipped = SHIPPED / f"{name}.toml"
-    if isinstance(name, str) and shipped.is_file():
+    if isinstance(name, str) and toml.exists(shipped):
         return shipped
     path = Path(name)
-    if path.suffix == ".toml" and path.is_file() and "scenarios" in _read(path):
+    if path.suffix == ".toml" and toml.exists(path) and "scenarios" in _read(path):
         return path
     return None
 
@@ -177,10 +173,7 @@ def _of_scenario(name: str | Path) -> dict[str, Any]:
 
 def _read(path: Path) -> dict[str, Any]:
     """Content of a campaign file; scenario files stand relative to it."""
-    try:
-        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+    table = toml.read(path)
     if isinstance(named := table.get("scenarios"), list):
         table["scenarios"] = tuple(
             str(path.parent / entry) if str(entry).endswith(".toml") else entry for entry in named
