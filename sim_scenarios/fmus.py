@@ -20,6 +20,7 @@ import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable
 
 from sim_scenarios.errors import InputError
+from sim_scenarios.folders import temporary
 
 PLANT: Final = "TruthPlant"
 ALIGNMENT_FILTER: Final = "AlignmentFilter"
@@ -170,7 +171,7 @@ class Fmu:
     def folder(self) -> Path:
         """Folder with the unpacked FMU, the source code excepted."""
         if self._unpacked is None:
-            self._unpacked = TemporaryDirectory(prefix=f"{self.name}-")
+            self._unpacked = TemporaryDirectory(prefix=f"{self.name}-", dir=temporary())
             fmpy.extract(str(self.path), unzipdir=self._unpacked.name, include=_needed_to_run)
         return Path(self._unpacked.name)
 
