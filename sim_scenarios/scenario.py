@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Annotated, Any, Final
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -50,6 +51,9 @@ EKF_UKF_ROBUST: Final[dict[str, dict[str, Any]]] = {
 }
 """The comparison of Zhou 2011, for scenarios that name no other."""
 
+
+MOST_ROWS: Final = {"communication_step": 100_000_000, "recording_period": 10_000_000}
+"""How often a run may step and record: a day by milliseconds, twelve days by tenths of a second."""
 
 Parts = Mapping[str, Fmu]
 """The FMUs that a scenario connects, by the table of their parameters: plant, filter, perhaps alignment."""
@@ -90,11 +94,21 @@ def _dotted(table: object, prefix: str = "") -> Iterator[tuple[str, object]]:
             yield f"{prefix}{key}", value
 
 
+def _not_negative(value: float) -> float:
+    if value < 0:
+        raise InputError(f"{value:g}: a sigma must be at least 0")
+    return value
+
+
+NotNegative = AfterValidator(_not_negative)
 Angle = Annotated[float, _quantity("rad")]
-AngularRate = Annotated[float, _quantity("rad/s")]
-Acceleration = Annotated[float, _quantity("m/s2")]
 Velocity = Annotated[float, _quantity("m/s")]
 Length = Annotated[float, _quantity("m")]
+AngleSigma = Annotated[Angle, NotNegative]
+AngularRateSigma = Annotated[float, _quantity("rad/s"), NotNegative]
+AccelerationSigma = Annotated[float, _quantity("m/s2"), NotNegative]
+VelocitySigma = Annotated[Velocity, NotNegative]
+LengthSigma = Annotated[Length, NotNegative]
 Time = Annotated[float, _quantity("s")]
 PlantParameters = Annotated[dict[str, Number], _parameters_of("plant")]
 FilterParameters = Annotated[dict[str, Number], _parameters_of("filter")]
@@ -111,11 +125,11 @@ class InitialError(Table):
     """Error of what a coarse alignment hands over (east, north, up); a sigma adds a drawn part."""
 
     misalignment: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
-    misalignment_sigma: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
+    misalignment_sigma: tuple[AngleSigma, AngleSigma, AngleSigma] = (0.0, 0.0, 0.0)
     velocity: tuple[Velocity, Velocity, Velocity] = (0.0, 0.0, 0.0)
-    velocity_sigma: tuple[Velocity, Velocity, Velocity] = (0.0, 0.0, 0.0)
+    velocity_sigma: tuple[VelocitySigma, VelocitySigma, VelocitySigma] = (0.0, 0.0, 0.0)
     position: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
-    position_sigma: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
+    position_sigma: tuple[LengthSigma, LengthSigma, LengthSigma] = (0.0, 0.0, 0.0)
 
 
 class Evaluation(Table):
@@ -133,12 +147,12 @@ class Evaluation(Table):
 class Prior(Table):
     """Prior knowledge that the Cramer-Rao bound assumes (science of the scenario, not belief of a filter)."""
 
-    tilt_sigma: Angle = Knowledge.tilt_sigma
-    heading_sigma: Angle = Knowledge.heading_sigma
-    velocity_sigma: Velocity = Knowledge.velocity_sigma
-    gyro_bias_sigma: AngularRate = Knowledge.gyro_bias_sigma
-    accelerometer_bias_sigma: Acceleration = Knowledge.accelerometer_bias_sigma
-    position_sigma: Length = Knowledge.position_sigma
+    tilt_sigma: AngleSigma = Knowledge.tilt_sigma
+    heading_sigma: AngleSigma = Knowledge.heading_sigma
+    velocity_sigma: VelocitySigma = Knowledge.velocity_sigma
+    gyro_bias_sigma: AngularRateSigma = Knowledge.gyro_bias_sigma
+    accelerometer_bias_sigma: AccelerationSigma = Knowledge.accelerometer_bias_sigma
+    position_sigma: LengthSigma = Knowledge.position_sigma
 
 
 class Scenario(Table):
@@ -163,8 +177,17 @@ class Scenario(Table):
     def _times_fit(self) -> Scenario:
         if self.communication_step <= 0:
             raise InputError(f"communication_step = {self.communication_step:g} s: must be greater than 0")
+        if self.recording_period <= 0:
+            raise InputError(f"recording_period = {self.recording_period:g} s: must be greater than 0")
         if self.duration < self.communication_step:
             raise InputError(f"duration = {self.duration:g} s: must be at least one communication_step")
+        if self.duration < self.recording_period:
+            raise InputError(f"duration = {self.duration:g} s: must be at least one recording_period")
+        for name, most in MOST_ROWS.items():
+            if self.duration > most * (step := getattr(self, name)):
+                raise InputError(
+                    f"duration = {self.duration:g} s: must be at most {most} times the {name} of {step:g} s"
+                )
         if not 0 <= self.evaluation.start < self.evaluation.stop:
             raise InputError("evaluation.start must be at least 0 and before evaluation.stop")
         if self.evaluation.start >= self.duration:

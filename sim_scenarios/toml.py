@@ -22,7 +22,7 @@ LARGEST: Final = 500_000
 
 _PART: Final = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')"""
 _DEEP_KEY: Final = re.compile(rf"(?<![\w-]){_PART}(?:[ \t]*\.[ \t]*{_PART}){{{DEEPEST},}}", re.ASCII)
-"""A dotted key with too many parts: the parser keeps every beginning of it, and 200 kB of key fill a memory."""
+"""A dotted key with too many parts. The parser keeps all beginnings of it: 200 kB of key fill a memory."""
 
 
 def read(path: Path) -> dict[str, Any]:

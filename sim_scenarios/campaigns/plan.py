@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -38,6 +39,9 @@ from sim_scenarios.scenario import Scenario, Table, load_scenario, scenario_path
 
 SHIPPED: Final = Path(__file__).parent / "shipped"
 LARGEST_SEED: Final = 2**31 - 1
+MOST_RUNS: Final = 1_000_000
+"""Of a case: a hundred for each that a figure with three digits needs."""
+MOST_CASES: Final = 10_000
 MOST_BATCHES: Final = 50
 LARGEST_BATCH: Final = 16
 
@@ -52,9 +56,9 @@ class Plan(Table):
     scenarios: Annotated[tuple[str, ...], Field(min_length=1)]
     filters: Filters = None
     reference: str | None = None
-    runs: Annotated[int, Field(ge=1)] = 100
+    runs: Annotated[int, Field(ge=1, le=MOST_RUNS)] = 100
     seed: Annotated[int, Field(ge=0)] = 1
-    period: Annotated[float, Field(gt=0)] = 1.0
+    period: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 1.0
     set: dict[str, Any] = Field(default={})
     grid: dict[str, Annotated[list[Any], Field(min_length=1)]] = Field(default={})
 
@@ -123,6 +127,9 @@ def cases(plan: Plan, fmus: Fmus) -> list[Case]:
     """Every scenario with every combination of the grid."""
     own = plan.filters if isinstance(plan.filters, dict) else None
     made = []
+    count = len(plan.scenarios) * math.prod(map(len, plan.grid.values()))
+    if count > MOST_CASES:
+        raise InputError(f"grid: makes {count} cases, must make at most {MOST_CASES}")
     for source in plan.scenarios:
         for values in product(*plan.grid.values()):
             point = dict(zip(plan.grid, values, strict=True))
