@@ -62,10 +62,10 @@ class Owned:
     def remove(self) -> None:
         """Remove the folder with all that is in it, the lock last."""
         for entry in self.path.glob("*"):
-            _remove(entry)
+            remove(entry)
         if self._lock:
             self._lock.close()
-        _remove(self.path)
+        remove(self.path)
 
 
 @contextmanager
@@ -106,6 +106,15 @@ def share(folder: Path) -> None:
 _shared: Path | None = None
 
 
+def remove(path: Path) -> None:
+    """Remove a file or a folder, as far as that is possible."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with suppress(OSError):
+            path.unlink()
+
+
 def discard(path: Path) -> None:
     """Remove a folder or a file: it disappears as a whole, however long its removal takes."""
     if path.exists():
@@ -129,7 +138,7 @@ def _sweep(parent: Path, prefix: str) -> None:
     for folder in parent.glob(f"{prefix}*"):
         with suppress(OSError):
             if _is_own(folder) and _is_left(folder):
-                _remove(folder)
+                remove(folder)
 
 
 def _is_own(folder: Path) -> bool:
@@ -157,11 +166,3 @@ def _try_lock(lock: IO[bytes]) -> bool:
     except OSError:
         return False
     return True
-
-
-def _remove(path: Path) -> None:
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path, ignore_errors=True)
-    else:
-        with suppress(OSError):
-            path.unlink()

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
 from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, FIGURES, SERIES
 from sim_scenarios.errors import InputError
-from sim_scenarios.folders import discard, filled
+from sim_scenarios.folders import discard, filled, remove
 
 NAME: Final = "campaign.zarr"
 RUNS: Final = ("scenario", "filter", "run")
@@ -136,9 +136,9 @@ def _damaged(path: Path, arrays: Mapping[str, Any], index: tuple[int, ...]) -> l
         at = {name: (*index, *[0] * (arrays[name].ndim - len(index))) for name in OF_RUNS}
         damaged = [_chunk(n, at[n]) for n in OF_RUNS if not _is_whole(path, arrays[n], n, at[n])]
     if damaged:
-        state.unlink()  # first: from now on the runs are missing
+        remove(state)  # first: from now on the runs are missing
     for chunk in damaged:
-        (path / chunk).unlink(missing_ok=True)
+        remove(path / chunk)
     return damaged
 
 
