@@ -22,7 +22,7 @@ from sim_scenarios.campaigns import pictures, store, table
 from sim_scenarios.campaigns.quantities import ERRORS
 from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
 from sim_scenarios.folders import filled
-from sim_scenarios.html import render
+from sim_scenarios.html import render, source
 from sim_scenarios.names import file_names
 
 Array = NDArray[np.float64]
@@ -46,6 +46,7 @@ def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[
 
 def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
     about = json.loads(data.attrs["cases"])
+    script, plotly = source("campaign.js"), get_plotlyjs()
     return render(
         "campaign.html",
         title=data.attrs["campaign"],
@@ -56,7 +57,9 @@ def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
         by_scenario=table.by_scenario(cases),
         about={label: {**case, "command": _command(case, data)} for label, case in about.items()},
         content=_script_safe(json.dumps(_content(data, cases), allow_nan=False)),
-        plotly=base64.b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode("ascii"),
+        plotly=base64.b64encode(gzip.compress(plotly.encode(), mtime=0)).decode("ascii"),
+        script=script,
+        scripts=[script, plotly],
     )
 
 
