@@ -11,10 +11,8 @@ know intervals, bounds, resuming and clusters.
 from __future__ import annotations
 
 import os
-import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -218,16 +216,6 @@ class Ensemble:
         return value / FIGURES[name].of(self.filters[over], window or self.window) if over else value
 
 
-@contextmanager
-def processes(workers: int | None = None) -> Iterator[ProcessPoolExecutor]:
-    """A pool of processes, one for each core; an interruption does not wait for what is queued."""
-    pool = ProcessPoolExecutor(workers or os.cpu_count(), initializer=_leave_interruptions)
-    try:
-        yield pool
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
 def ensemble(
     pool: ProcessPoolExecutor,
     scenario: str | Path,
@@ -241,7 +229,7 @@ def ensemble(
     Parameters
     ----------
     pool : ProcessPoolExecutor
-        Of `processes`.
+        Of `processes.processes`.
     scenario : str or Path
         As for `sim_scenarios.run`.
     seeds : sequence of int
@@ -303,11 +291,6 @@ def _columns(run: xr.Dataset) -> Array:
     if "covariance" in run:
         errors[:, NEES] = nees_of(run)
     return errors
-
-
-def _leave_interruptions() -> None:
-    """Leave Ctrl-C to the process that has the pool: a terminal interrupts them all."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _runs(

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from sim_scenarios.cli.options import AsJson, Output
-from sim_scenarios.cli.results import Results
+from sim_scenarios.cli.results import Results, storing
 from sim_scenarios.cli.terminal import (
     console,
     print_json,
@@ -16,9 +16,9 @@ from sim_scenarios.cli.terminal import (
     progress,
     refusing_bad_input,
 )
-from sim_scenarios.ensemble import processes
 from sim_scenarios.papers import load_paper, page, shipped
 from sim_scenarios.papers.reproduction import Reproduced, reproduce
+from sim_scenarios.processes import processes
 
 Name = Annotated[
     str, typer.Argument(metavar="NAME", help=f"One of {', '.join(shipped())}.", show_default=False)
@@ -54,8 +54,9 @@ def reproduce_paper(
         count = runs or paper.runs
         with processes(workers) as pool, progress(name) as advance:
             results = reproduce(paper, pool, count, seed, advance)
-            sections = [page.section(result, folder) for result in results]
-        report = page.write(paper, sections, count, seed, folder)
+            sections = [page.section(result) for result in results]
+        with storing(folder):
+            report = page.write(paper, sections, count, seed, folder)
     tables = [table for section in sections for table in section.tables]
     if as_json:
         print_json(

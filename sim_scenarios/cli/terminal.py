@@ -15,6 +15,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from rich.table import Table
 
 from sim_scenarios.errors import InputError, SimulationError
+from sim_scenarios.names import printable
 
 
 @contextmanager
@@ -23,7 +24,11 @@ def refusing_bad_input() -> Iterator[None]:
     try:
         yield
     except (InputError, SimulationError) as error:
-        typer.echo(f"truenorth: {error}", err=True)
+        typer.echo(f"truenorth: {printable(str(error))}", err=True)
+        raise typer.Exit(2) from None
+    except OSError as error:  # of the machine: no space, no file descriptor, no permission
+        where = "" if error.filename is None else f"{error.filename}: "
+        typer.echo(f"truenorth: {printable(f'{where}{error.strerror or error}')}", err=True)
         raise typer.Exit(2) from None
 
 

@@ -21,12 +21,14 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.exchange import documents, reference
 from sim_scenarios.exchange.system import Component, System, of_scenario
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.folders import filled
 from sim_scenarios.scenario import load_scenario
 
 __all__ = ["Component", "System", "export"]
 
 STEP = 0.1
 """Communication step of the exported system [s]: ten IMU periods, so that slow importers take seconds."""
+OSP = "OspSystemStructure.xml"
 REFERENCES = "extra/org.fmi-standard.fmi-ls-ref"
 
 
@@ -60,9 +62,12 @@ def export(
     loaded = load_scenario(scenario, fmus, seed=seed, settings=settings)
     system = of_scenario(loaded, fmus)
     results = reference.simulate(loaded, fmus, system)
-    for component in system.components:
-        _write_component(system, component, results[component.name], folder)
-    _write_system(system, results, folder)
+    with filled(folder) as draft:
+        for component in system.components:
+            _write_component(system, component, results[component.name], draft)
+        _write_system(system, results, draft)
+    if system.enumerations:
+        (folder / OSP).unlink(missing_ok=True)  # of an earlier export
     return system
 
 
@@ -99,11 +104,8 @@ def _write_system(system: System, results: Mapping[str, reference.Results], fold
         parts[f"resources/{component.fmu.name}.fmu"] = component.fmu.path
         parts[f"resources/{component.name}.ssv"] = documents.parameters(system, component)
     write_archive(folder / f"{system.name}.ssp", parts)
-    osp = folder / "OspSystemStructure.xml"
-    if system.enumerations:
-        osp.unlink(missing_ok=True)
-    else:
-        _write(osp, documents.osp(system))
+    if not system.enumerations:
+        _write(folder / OSP, documents.osp(system))
     _write(folder / "README.md", documents.readme(system, results))
 
 

@@ -27,21 +27,16 @@ A paper that says no number is quoted in a word.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Any, Final
 
 from pydantic import AfterValidator, Field, ValidationError
 
+from sim_scenarios import toml
 from sim_scenarios.ensemble import FIGURES
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
 from sim_scenarios.scenario import Table
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 SHIPPED: Final = Path(__file__).parent
 
@@ -104,7 +99,7 @@ def load_paper(name: str) -> Paper:
     if name not in papers:
         hint = did_you_mean(name, list(papers)) or f"; there are {', '.join(papers)}"
         raise InputError(f"there is no paper '{name}'{hint}")
-    content = tomllib.loads(papers[name].read_text(encoding="utf-8"))
+    content = toml.read(papers[name])
     try:
         return Paper.model_validate({"name": name, **content})
     except ValidationError as error:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from sim_scenarios.folders import filled
 from sim_scenarios.html import render
 from sim_scenarios.papers import Paper
 from sim_scenarios.papers.reproduction import Reproduced, Result
@@ -24,14 +25,12 @@ class Section:
     picture: bytes
 
 
-def section(result: Result, folder: Path) -> Section:
-    """What the page keeps of an experiment; draws its picture into the folder."""
+def section(result: Result) -> Section:
+    """What the page shows of an experiment."""
     experiment, runs = result.experiment, result.ensemble
     windows = [table.window or runs.window for table in experiment.table]
     title = f"{experiment.scenario}: root mean square over {runs.count} runs"
     picture = png(over_time(runs, experiment.picture, windows, title))
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{experiment.scenario}.png").write_bytes(picture)
     attributes = runs.attributes
     return Section(
         experiment.scenario, attributes["description"], attributes["notes"], result.tables, picture
@@ -39,8 +38,10 @@ def section(result: Result, folder: Path) -> Section:
 
 
 def write(paper: Paper, sections: Sequence[Section], runs: int, seed: int, folder: Path) -> Path:
-    """Write the page; its path."""
-    path = folder / "report.html"
+    """Write the page and its pictures; the path of the page."""
     page = render("paper.html", paper=paper, sections=sections, runs=runs, seed=seed)
-    path.write_text(page, encoding="utf-8")
-    return path
+    with filled(folder) as draft:
+        for section in sections:
+            (draft / f"{section.scenario}.png").write_bytes(section.picture)
+        (draft / "report.html").write_text(page, encoding="utf-8")
+    return folder / "report.html"
