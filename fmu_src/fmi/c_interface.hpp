@@ -56,7 +56,7 @@ std::span<T> array(T* pointer, std::size_t size, const char* name) {
 // How a tool asks for an instance, in the words of its FMI version.
 struct Request {
     const char* function;
-    Kind kind;
+    Use use;
     const char* instance_name;
     const char* token_name;  // of the argument that names the build
     const char* token;
@@ -79,7 +79,7 @@ Instance* instantiate(const Request& request, const Journal::Sink& sink, Check c
                               fmu.identity.guid +
                               "; modelDescription.xml and the binary belong to different builds");
             }
-            return std::make_unique<Instance>(fmu, request.kind, sink, request.logging).release();
+            return std::make_unique<Instance>(fmu, request.use, sink, request.logging).release();
         } catch (const std::exception& reason) {
             Journal(sink, fmu.log, false).error(std::string(request.function) + ": " + reason.what());
         }
