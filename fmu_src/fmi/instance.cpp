@@ -60,13 +60,20 @@ void require_finite(const char* what, double value) {
 
 }  // namespace
 
-Instance::Instance(const Fmu& fmu, Kind kind, Journal::Sink sink, bool events)
+Instance::Instance(const Fmu& fmu, Kind kind, Journal::Sink sink, bool events, StartValues start_values)
     : fmu_(fmu),
       kind_(kind),
       journal_(std::move(sink), fmu.log, events),
-      component_(fmu.make_component(journal_)),
+      start_values_(std::move(start_values)),
+      component_(fresh_component()),
       stop_time_(never) {
     scalars_.reserve(component_->size() + 1);  // steps allocate nothing
+}
+
+std::unique_ptr<Component> Instance::fresh_component() {
+    auto component = fmu_.make_component(journal_);
+    start_values_.apply(*component);
+    return component;
 }
 
 // ------------------------------------------------------------------ order of calls
@@ -156,7 +163,7 @@ void Instance::terminate() {
 }
 
 void Instance::reset() {
-    component_ = fmu_.make_component(journal_);
+    component_ = fresh_component();
     phase_ = Phase::instantiated;
     start_time_ = time_ = 0.0;
     stop_time_ = never;

@@ -20,6 +20,7 @@
 #include "fmi/component.hpp"
 #include "fmi/fmu.hpp"
 #include "fmi/journal.hpp"
+#include "fmi/start_values.hpp"
 
 namespace truenorth::fmi {
 
@@ -48,7 +49,7 @@ class State {
 
 class Instance {
   public:
-    Instance(const Fmu& fmu, Kind kind, Journal::Sink sink, bool events);
+    Instance(const Fmu& fmu, Kind kind, Journal::Sink sink, bool events, StartValues start_values = {});
 
     void set_up_experiment(double start_time, std::optional<double> stop_time);
     void enter_initialisation();
@@ -101,6 +102,7 @@ class Instance {
     [[nodiscard]] const Variable& variable(unsigned reference, Type type) const;
     [[nodiscard]] bool any_of(std::span<const unsigned> references, Causality causality) const;
     [[nodiscard]] bool running() const { return phase_ == Phase::stepping || phase_ == Phase::event; }
+    [[nodiscard]] std::unique_ptr<Component> fresh_component();
     void initialise();
     void advance(double time, double size);
     [[nodiscard]] State* find(const State* state) const;
@@ -115,6 +117,7 @@ class Instance {
     Fmu fmu_;
     Kind kind_;
     Journal journal_;
+    StartValues start_values_;
     std::unique_ptr<Component> component_;
     std::vector<std::unique_ptr<State>> states_;
     std::vector<unsigned> scalars_;

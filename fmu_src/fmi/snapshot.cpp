@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "fmi/checksum.hpp"
 #include "fmi/refusal.hpp"
 
 namespace truenorth::fmi {
@@ -22,16 +23,6 @@ constexpr std::uint32_t format_version = 1;
 constexpr std::size_t version_offset = magic.size();
 constexpr std::size_t checksum_offset = version_offset + sizeof(std::uint32_t);
 constexpr std::size_t header_size = checksum_offset + sizeof(std::uint64_t);
-
-// FNV-1a, 64 bits: any single changed byte changes it.
-std::uint64_t checksum_of(std::string_view bytes) {
-    std::uint64_t hash = 0xcbf29ce484222325U;
-    for (const char byte : bytes) {
-        hash ^= static_cast<unsigned char>(byte);
-        hash *= 0x100000001b3U;
-    }
-    return hash;
-}
 
 template <class T>
 using Bytes = std::array<char, sizeof(T)>;

@@ -1,0 +1,124 @@
+#include "fmi/start_values.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <fstream>
+#include <locale>
+#include <map>
+#include <sstream>
+
+#include "fmi/checksum.hpp"
+#include "fmi/refusal.hpp"
+
+namespace truenorth::fmi {
+namespace {
+
+constexpr const char* file_name = "start_values.txt";
+
+// ":" and the checksum, 16 hexadecimal digits.
+std::string mark_of(std::string_view text) {
+    std::array<char, 16> digits{};
+    auto* const end = std::to_chars(digits.begin(), digits.end(), checksum_of(text), 16).ptr;
+    const std::string shortest(digits.begin(), end);
+    return ":" + std::string(digits.size() - shortest.size(), '0') + shortest;
+}
+
+// The same decimal point in every environment.
+std::istringstream reader_of(const std::string& text) {
+    std::istringstream stream(text);
+    stream.imbue(std::locale::classic());
+    return stream;
+}
+
+template <class T>
+void set(Component& component, unsigned reference, const std::string& text) {
+    T value{};
+    std::istringstream stream = reader_of(text);
+    if (!(stream >> value) || stream.peek() != std::istringstream::traits_type::eof()) {
+        throw Refusal(std::string(file_name) + ": " + component.find(reference)->name + " = " + text +
+                      ": must be a value of its type");
+    }
+    component.set(reference, value);
+}
+
+}  // namespace
+
+StartValues StartValues::marked(std::string_view mark, const std::filesystem::path& resources) {
+    StartValues given;
+    if (mark.empty()) {
+        return given;
+    }
+    const std::filesystem::path path = resources / file_name;
+    std::ostringstream content;
+    if (!(content << std::ifstream(path, std::ios::binary).rdbuf())) {
+        throw Refusal("the start values of this export are not in " + path.string() +
+                      "; the tool must tell the FMU where its resources are");
+    }
+    const std::string text = content.str();
+    if (mark_of(text) != mark) {
+        throw Refusal(path.string() + " is corrupt, or of another export: its mark is " + mark_of(text) +
+                      ", modelDescription.xml has " + std::string(mark));
+    }
+    std::istringstream stream = reader_of(text);
+    for (std::pair<std::string, std::string> value; stream >> value.first >> value.second;) {
+        given.values_.push_back(std::move(value));
+    }
+    return given;
+}
+
+void StartValues::apply(Component& component) const {
+    if (values_.empty()) {
+        return;
+    }
+    std::map<std::string_view, unsigned> references;
+    for (unsigned reference = 0; reference < component.size(); ++reference) {
+        references.emplace(component.find(reference)->name, reference);
+    }
+    for (const auto& [name, text] : values_) {
+        const auto found = references.find(name);
+        if (found == references.end()) {
+            throw Refusal(std::string(file_name) + ": there is no variable " + name);
+        }
+        const Variable& variable = *component.find(found->second);
+        if (variable.causality == Causality::output) {
+            throw Refusal(std::string(file_name) + ": " + name + " is an output and cannot be set");
+        }
+        switch (variable.type) {
+            case Type::real:
+                set<double>(component, found->second, text);
+                break;
+            case Type::integer:
+                set<int>(component, found->second, text);
+                break;
+            case Type::boolean:
+                set<bool>(component, found->second, text);
+                break;
+        }
+    }
+}
+
+std::filesystem::path folder_of(std::string_view location) {
+    constexpr std::string_view scheme = "file:";
+    if (!location.starts_with(scheme)) {
+        return {std::u8string(location.begin(), location.end())};
+    }
+    std::string_view rest = location.substr(scheme.size());
+    if (rest.starts_with("//")) {  // a host follows, empty or this one
+        rest.remove_prefix(std::min(rest.find('/', 2), rest.size()));
+    }
+    std::u8string path;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        auto byte = static_cast<unsigned char>(rest[i]);
+        if (const std::string_view code = rest.substr(i, 3); code.size() == 3 && code[0] == '%') {
+            std::from_chars(code.data() + 1, code.data() + 3, byte, 16);
+            i += 2;
+        }
+        path += static_cast<char8_t>(byte);
+    }
+    const bool drive = path.size() > 2 && path[0] == u8'/' && path[2] == u8':';
+    return {drive ? path.substr(1) : path};
+}
+
+}  // namespace truenorth::fmi
