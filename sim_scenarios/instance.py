@@ -105,6 +105,14 @@ class Instance:
         port.read()
         return [port.signals.value(name) for name in names]
 
+    def state(self) -> bytes:
+        """The complete state as bytes, which another instance, in another process, can go on from."""
+        state = self._slave.getFMUState()
+        try:
+            return bytes(self._slave.serializeFMUState(state))
+        finally:
+            self._slave.freeFMUState(state)
+
     def close(self) -> None:
         """Terminate and free the instance."""
         self._slave.freeInstance()

@@ -21,8 +21,10 @@ constexpr const char* file_name = "start_values.txt";
 std::string mark_of(std::string_view text) {
     std::array<char, 16> digits{};
     auto* const end = std::to_chars(digits.begin(), digits.end(), checksum_of(text), 16).ptr;
-    const std::string shortest(digits.begin(), end);
-    return ":" + std::string(digits.size() - shortest.size(), '0') + shortest;
+    std::string mark(":");
+    mark.append(static_cast<std::size_t>(digits.end() - end), '0');
+    mark.append(digits.begin(), end);
+    return mark;
 }
 
 // The same decimal point in every environment.
