@@ -29,9 +29,8 @@ _LIBRARIES = {
     "cereal": ("BSD-3-Clause", "sources/cereal/cereal.hpp", None),
     "FMI headers": ("BSD-2-Clause", "sources/fmi2Functions.h", r'#define fmi2Version "([\d.]+)"'),
 }
-"""Libraries in the FMUs by name: licence, a file of theirs in the FMU's sources, and how it tells the version.
-
-cereal tells it nowhere in what an FMU needs of it.
+"""Libraries in the FMUs by name: licence, a file of theirs in the sources, and how it tells the version,
+which cereal does nowhere in what an FMU needs of it.
 """
 
 

@@ -43,7 +43,9 @@ def orders(
     for component in system.components:
         given = component.values if with_parameters else {}
         parameters = [
-            f"{word(component.name, entry)} {' '.join(number(component.value(e.name)) for e in entry.elements)}"
+            " ".join(
+                [word(component.name, entry), *(number(component.value(e.name)) for e in entry.elements)]
+            )
             for entry in form.entries(component, given)
         ]
         lines.append(_listed(parameters))

@@ -18,7 +18,9 @@ from typer.testing import CliRunner
 from sim_scenarios.cli.application import app
 from sim_scenarios.exchange import STEP, System, export
 from sim_scenarios.exchange.forms import FORMS, Form
+from sim_scenarios.exchange.system import of_scenario
 from sim_scenarios.fmus import Fmu, Fmus
+from sim_scenarios.scenario import load_scenario
 
 SCHEMAS = Path(fmpy.__file__).parent / "ssp" / "schema"
 SCHEMAS_OF_SSP_2 = Path(pyssp_standard.__file__).parent / "resources" / "ssp2"
@@ -139,7 +141,9 @@ def test_enumerations_have_the_names_of_their_items(folder: Path) -> None:
 @pytest.mark.parametrize("form", FORMS, ids=lambda form: form.name)
 def test_what_is_set_is_in_the_fmu(folder: Path, fmus: Fmus, form: Form) -> None:
     """In modelDescription.xml and in the file that the binary reads; nothing else differs from the FMU."""
-    system = export("swaying_ship", folder, set=SHORT, fmus=fmus)
+    system = of_scenario(
+        load_scenario("swaying_ship", fmus, settings={**SHORT, "communication_step": STEP}), fmus
+    )
     for component in system.components:
         description = fmpy.read_model_description(folder / form.name / f"{component.fmu.name}.fmu")
         before = fmpy.read_model_description(form.archive(component.fmu))

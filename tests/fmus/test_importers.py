@@ -27,9 +27,11 @@ from numpy.typing import NDArray
 from typer.testing import CliRunner
 
 from sim_scenarios.cli.application import app
-from sim_scenarios.exchange import System, export
+from sim_scenarios.exchange import STEP
 from sim_scenarios.exchange.forms import FMI2, FMI3, Form
+from sim_scenarios.exchange.system import System, of_scenario
 from sim_scenarios.fmus import Fmu, Fmus
+from sim_scenarios.scenario import load_scenario
 
 SCENARIOS = ("swaying_ship", "align_then_navigate", "flight_loose_tight")
 TOLERANCE = 1e-9
@@ -66,12 +68,8 @@ def exported(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
         patch.setenv("TRUENORTH_FMUS", str(FMUS))
         result = CliRunner().invoke(app, ["export", scenario, "--output", str(folder)])
     assert result.exit_code == 0, result.output
-    return Exported(scenario, folder, described(scenario, fmus, tmp_path_factory.mktemp("description")))
-
-
-def described(scenario: str, fmus: Fmus, folder: Path) -> System:
-    """What the folder holds."""
-    return export(scenario, folder, fmus=fmus)
+    loaded = load_scenario(scenario, fmus, settings={"communication_step": STEP})
+    return Exported(scenario, folder, of_scenario(loaded, fmus))
 
 
 Record = Callable[[importer_table.Importer, float], None]
