@@ -7,6 +7,7 @@
 #include <fstream>
 #include <locale>
 #include <map>
+#include <memory>
 #include <sstream>
 
 #include "fmi/checksum.hpp"
@@ -64,8 +65,8 @@ StartValues StartValues::marked(std::string_view mark, const std::filesystem::pa
                       ", modelDescription.xml has " + std::string(mark));
     }
     std::istringstream stream = reader_of(text);
-    for (std::pair<std::string, std::string> value; stream >> value.first >> value.second;) {
-        given.values_.push_back(std::move(value));
+    for (std::string name, value; stream >> name >> value;) {
+        given.values_.emplace_back(name, value);
     }
     return given;
 }
@@ -113,9 +114,10 @@ std::filesystem::path folder_of(std::string_view location) {
     std::u8string path;
     for (std::size_t i = 0; i < rest.size(); ++i) {
         auto byte = static_cast<unsigned char>(rest[i]);
-        if (const std::string_view code = rest.substr(i, 3); code.size() == 3 && code[0] == '%') {
-            std::from_chars(code.data() + 1, code.data() + 3, byte, 16);
-            i += 2;
+        if (rest[i] == '%' && i + 2 < rest.size()) {
+            const std::string_view digits = rest.substr(i + 1, 2);
+            std::from_chars(std::to_address(digits.begin()), std::to_address(digits.end()), byte, 16);
+            i += digits.size();
         }
         path += static_cast<char8_t>(byte);
     }

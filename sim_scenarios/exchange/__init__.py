@@ -11,6 +11,7 @@
     parameters/*.ssv          all that the scenario sets, as SSP parameter sets
     reference/                results in the form of the FMI cross-check: _in.csv, _ref.csv, _ref.opt; below
                               fmi3/ with the arrays of FMI 3; _end.state is the state of FMI 2 at the end
+    skeleton/*_in.csv         the first rows of inputs, to be replaced by one's own; below fmi3/ for FMI 3
     report.html               report of that run
     provenance.json           what it was made from and by
     sbom.cdx.json             software bill of materials of the FMUs, CycloneDX
@@ -37,6 +38,8 @@ from sim_scenarios.simulation import run_filters
 
 __all__ = ["Component", "System", "export"]
 
+SKELETONS = "skeleton"
+"""Folder of the beginnings of input files, for signals of one's own."""
 STEP = 0.1
 """Communication step of the exported system [s]: ten IMU periods, so that slow importers take seconds."""
 
@@ -147,7 +150,7 @@ def _fmu_members(
     experiment = {
         documents.experiment_file(system, name): content
         for name, content in files.items()
-        if not name.endswith(".opt")
+        if not name.endswith(".opt") and not name.startswith(f"{SKELETONS}/")
     }
     experiment["experiments.xml"] = documents.experiments(system, component)
     experiment["fmi-ls-manifest.xml"] = documents.manifest(system, list(experiment))
@@ -174,6 +177,8 @@ def _component_files(
     if component.inputs:
         inputs = form.entries(component, component.inputs)
         files[f"reference/{name}_in.csv"] = reference.csv(results.inputs, inputs)
+        first = {column: values[:2] for column, values in results.inputs.items()}
+        files[f"{SKELETONS}/{name}_in.csv"] = reference.csv(first, inputs)
     if form is FMI2:  # of the instance that ran
         files[f"reference/{name}_end.state"] = results.state
     return files

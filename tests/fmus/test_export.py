@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import zipfile
+from contextlib import closing
 from pathlib import Path
 
 import fmpy
@@ -20,6 +21,7 @@ from sim_scenarios.exchange import STEP, System, export
 from sim_scenarios.exchange.forms import FORMS, Form
 from sim_scenarios.exchange.system import of_scenario
 from sim_scenarios.fmus import Fmu, Fmus
+from sim_scenarios.instance import Instance
 from sim_scenarios.scenario import load_scenario
 
 SCHEMAS = Path(fmpy.__file__).parent / "ssp" / "schema"
@@ -194,3 +196,29 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert (tmp_path / "partner" / "swaying_ship.ssp").exists()
     refused = CliRunner().invoke(app, [*arguments, *settings, "--step", "0.0123"])
     assert refused.exit_code == 2
+
+
+def test_an_importer_goes_on_from_the_state_at_the_end(folder: Path) -> None:
+    """The state lies in the FMU, too, and the manifest of FMI-LS-REF names it."""
+    archive = folder / "fmi2" / "AlignmentFilter.fmu"
+    fmu = Fmu(archive)
+    with zipfile.ZipFile(archive) as content:
+        manifest = etree.fromstring(content.read(f"{RESULTS}/fmi-ls-manifest.xml"))
+        (source,) = (r.get("source") for r in manifest if r.get("role") == "serialized-state")
+        state = content.read(f"{RESULTS}/{source}")
+    assert state == (folder / "reference" / "AlignmentFilter_end.state").read_bytes()
+    with (folder / "reference" / "AlignmentFilter_ref.csv").open(newline="") as file:
+        last = list(csv.DictReader(file))[-1]
+    with closing(Instance(fmu, "filter", {})) as instance:
+        instance.restore(state)
+        for name in ("nav.heading", "heading_sigma"):
+            assert instance.read([name]) == [float(last[name])]
+        instance.step(SHORT["duration"], STEP)
+
+
+def test_a_skeleton_begins_as_the_inputs_do(folder: Path) -> None:
+    for place in ("", "fmi3/"):
+        skeleton = (folder / "skeleton" / place / "AlignmentFilter_in.csv").read_text()
+        inputs = (folder / "reference" / place / "AlignmentFilter_in.csv").read_text()
+        assert inputs.startswith(skeleton)
+        assert len(skeleton.splitlines()) == 3
