@@ -221,7 +221,7 @@ def test_c_program(form: Form, exported: Exported, reached: Record, tmp_path: Pa
 
 @pytest.mark.parametrize("form", [FMI2, FMI3], ids=lambda form: form.name)
 def test_fmpy_command_line(form: Form, exported: Exported, reached: Record, tmp_path: Path) -> None:
-    """Each FMU with the inputs that lie in the folder, by its step; FMPy's own choice would be a coarser one."""
+    """Each FMU with the inputs of the folder, by its step; what FMPy would choose is coarser."""
     command = [sys.executable, "-m", "fmpy", "simulate", "--output-interval", str(exported.system.step)]
     importer = importer_table.Importer("FMPy", version("fmpy"), "command line", form.fmi)
     reached(importer, worst_of(exported, form, command, tmp_path))
