@@ -57,7 +57,7 @@ std::span<T> array(T* pointer, std::size_t size, const char* name) {
 // How a tool asks for an instance, in the words of its FMI version.
 struct Request {
     const char* function;
-    Kind kind;
+    Use use;
     const char* instance_name;
     const char* token_name;  // of the argument that names the build
     const char* token;
@@ -85,7 +85,7 @@ Instance* instantiate(const Request& request, const Journal::Sink& sink, Check c
             if (request.instance_name == nullptr || *request.instance_name == '\0') {
                 throw Refusal("instanceName is NULL or empty");
             }
-            return std::make_unique<Instance>(fmu, request.kind, sink, request.logging,
+            return std::make_unique<Instance>(fmu, request.use, sink, request.logging,
                                               start_values(request, fmu.identity.guid))
                 .release();
         } catch (const std::exception& reason) {

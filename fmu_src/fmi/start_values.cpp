@@ -36,14 +36,14 @@ std::istringstream reader_of(const std::string& text) {
 }
 
 template <class T>
-void set(Component& component, unsigned reference, const std::string& text) {
+void set(const Cell& cell, const std::string& text) {
     T value{};
     std::istringstream stream = reader_of(text);
     if (!(stream >> value) || stream.peek() != std::istringstream::traits_type::eof()) {
-        throw Refusal(std::string(file_name) + ": " + component.find(reference)->name + " = " + text +
+        throw Refusal(std::string(file_name) + ": " + cell.variable.name + " = " + text +
                       ": must be a value of its type");
     }
-    component.set(reference, value);
+    *static_cast<T*>(cell.address) = value;
 }
 
 }  // namespace
@@ -71,32 +71,32 @@ StartValues StartValues::marked(std::string_view mark, const std::filesystem::pa
     return given;
 }
 
-void StartValues::apply(Component& component) const {
+void StartValues::apply(std::span<const Cell> cells) const {
     if (values_.empty()) {
         return;
     }
-    std::map<std::string_view, unsigned> references;
-    for (unsigned reference = 0; reference < component.size(); ++reference) {
-        references.emplace(component.find(reference)->name, reference);
+    std::map<std::string_view, const Cell*> by_name;
+    for (const Cell& cell : cells) {
+        by_name.emplace(cell.variable.name, &cell);
     }
     for (const auto& [name, text] : values_) {
-        const auto found = references.find(name);
-        if (found == references.end()) {
+        const auto found = by_name.find(name);
+        if (found == by_name.end()) {
             throw Refusal(std::string(file_name) + ": there is no variable " + name);
         }
-        const Variable& variable = *component.find(found->second);
-        if (variable.causality == Causality::output) {
+        const Cell& cell = *found->second;
+        if (cell.variable.causality == Causality::output) {
             throw Refusal(std::string(file_name) + ": " + name + " is an output and cannot be set");
         }
-        switch (variable.type) {
+        switch (cell.variable.type) {
             case Type::real:
-                set<double>(component, found->second, text);
+                set<double>(cell, text);
                 break;
             case Type::integer:
-                set<int>(component, found->second, text);
+                set<int>(cell, text);
                 break;
             case Type::boolean:
-                set<bool>(component, found->second, text);
+                set<bool>(cell, text);
                 break;
         }
     }

@@ -7,12 +7,13 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "fmi/component.hpp"
+#include "fmi/variable.hpp"
 
 namespace truenorth::fmi {
 
@@ -26,7 +27,7 @@ class StartValues {
     [[nodiscard]] static StartValues marked(std::string_view mark, const std::filesystem::path& resources);
 
     // Throws Refusal at the first line that is not a value of a parameter or an input.
-    void apply(Component& component) const;
+    void apply(std::span<const Cell> cells) const;
 
   private:
     std::vector<std::pair<std::string, std::string>> values_;  // by name

@@ -36,7 +36,7 @@ class StartValuesTest : public testing::Test {
     [[nodiscard]] std::string refusal(const std::string& given) const {
         try {
             fmi::Instance(
-                stand_in(), fmi::Kind::co_simulation, [](auto...) {}, false,
+                stand_in(), {.fmi_version = 2, .kind = fmi::Kind::co_simulation}, [](auto...) {}, false,
                 StartValues::marked(given, folder));
         } catch (const Refusal& reason) {
             return reason.what();
@@ -47,20 +47,21 @@ class StartValuesTest : public testing::Test {
 
 double read(fmi::Instance& instance, unsigned reference) {
     double value = 0.0;
-    instance.get<double>(std::array{reference}, std::span(&value, 1));
+    instance.get<double>(std::array{reference}, fmi::Reach::scalar, std::span(&value, 1));
     return value;
 }
 
 TEST_F(StartValuesTest, HoldFromTheBeginningAndAfterAReset) {
     write(whole);
     fmi::Instance instance(
-        stand_in(), fmi::Kind::co_simulation, [](auto...) {}, false, StartValues::marked(mark, folder));
+        stand_in(), {.fmi_version = 2, .kind = fmi::Kind::co_simulation}, [](auto...) {}, false,
+        StartValues::marked(mark, folder));
     for (int life = 0; life < 2; ++life) {
         instance.enter_initialisation();
         EXPECT_EQ(read(instance, fixed), 3.5);
         EXPECT_EQ(read(instance, tunable), 4.5);
         EXPECT_EQ(read(instance, input), -1e-300);
-        instance.set<double>(std::array{fixed}, std::span<const double>(std::array{9.0}));
+        instance.set<double>(std::array{fixed}, fmi::Reach::scalar, std::span<const double>(std::array{9.0}));
         instance.reset();
     }
 }
