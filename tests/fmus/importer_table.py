@@ -2,7 +2,8 @@
 
     python tests/fmus/importer_table.py        # writes the page from what is kept
 
-A cell is the largest difference from the reference results that a test found; nothing else gets in.
+A cell is the largest difference from the reference results that a test found, or what the importer said that
+it cannot do; nothing else gets in.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ class Importer:
     fmi: str
 
 
-def keep(importer: Importer, scenario: str, difference: float) -> None:
+def keep(importer: Importer, scenario: str, outcome: float | str) -> None:
     """Keep what a test measured, if that is asked for; an older figure of the same cell gives way."""
     if os.environ.get(RECORDING) != "1":
         return
@@ -41,7 +42,7 @@ def keep(importer: Importer, scenario: str, difference: float) -> None:
              (importer.name, importer.way, importer.fmi, scenario)]  # fmt: skip
     machine = f"{platform.system()} {platform.machine()}"
     cells.append(
-        {**asdict(importer), "scenario": scenario, "difference": difference, "on": machine,
+        {**asdict(importer), "scenario": scenario, "outcome": outcome, "on": machine,
          "date": date.today().isoformat()}
     )  # fmt: skip
     cells.sort(key=lambda cell: [str(cell[key]) for key in ("name", "way", "fmi", "scenario")])
@@ -60,7 +61,7 @@ def page() -> str:
     rows: dict[tuple[str, ...], dict[str, str]] = {}
     for cell in cells:
         row = tuple(str(cell[key]) for key in ("name", "version", "way", "fmi", "on", "date"))
-        rows.setdefault(row, {})[str(cell["scenario"])] = shown(float(cell["difference"]))
+        rows.setdefault(row, {})[str(cell["scenario"])] = shown(cell["outcome"])
     head = ["importer", "version", "way", "FMI", "on", "day", *(f"`{name}`" for name in scenarios)]
     lines = [head, ["---"] * len(head)]
     lines += [[*row, *(figures.get(name, "not run") for name in scenarios)] for row, figures in rows.items()]
@@ -71,15 +72,18 @@ HEAD = """# What importers do with an export
 
 Each importer was given the folder that `truenorth export SCENARIO` writes, unchanged and with nothing handed
 in from outside. A cell is the largest difference of the outputs from the reference results in the folder, of
-the largest value of each output; it may be 1e-9 at most. `tests/fmus/test_importers.py` measures it, and
-`tests/fmus/importer_table.py` writes this page from its figures.
+the largest value of each output; it may be 1e-9 at most; "equal" is none at all. FMPy's command line had the
+step of the folder (`--output-interval`) and each FMU's inputs from it; all else ran the connected system.
+`tests/fmus/test_importers.py` measures it; `tests/fmus/importer_table.py` writes the page from its figures.
 
 """
 
 
-def shown(difference: float) -> str:
-    """A difference as a cell."""
-    return "equal" if difference == 0 else f"{difference:.0e}"
+def shown(outcome: float | str) -> str:
+    """A difference, or what the importer cannot do, as a cell."""
+    if isinstance(outcome, str):
+        return outcome
+    return "equal" if outcome == 0 else f"{outcome:.0e}"
 
 
 def read_csv(path: Path) -> NDArray[np.void]:

@@ -123,7 +123,9 @@ def test_the_fmus_stay_valid_and_carry_their_experiment(folder: Path, version: s
     for archive in (folder / version).glob("*.fmu"):
         assert validate_fmu(str(archive)) == []
         with zipfile.ZipFile(archive) as content:
-            experiment = etree.fromstring(content.read(f"{RESULTS}/experiments.xml"))[0]
+            experiments = etree.fromstring(content.read(f"{RESULTS}/experiments.xml"))
+            experiment = experiments[0]
+            assert experiments.get("name") == "swaying_ship"  # which the schema, v1.0.0-alpha.1, requires
             assert float(experiment.get("stopTime")) == SHORT["duration"]
             for part in experiment:
                 assert content.read(f"{RESULTS}/{part.get('source')}")
