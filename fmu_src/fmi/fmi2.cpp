@@ -72,7 +72,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, co
 
 // ------------------------------------------------------------------ life of an instance
 
-fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String /*resources*/,
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions* functions, fmi2Boolean /*visible*/,
                               fmi2Boolean logging) {
     if (functions == nullptr || functions->logger == nullptr) {
@@ -85,6 +85,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
         .instance_name = name,
         .token_name = "fmuGUID",
         .token = guid,
+        .resources = resources,
         .logging = logging != fmi2False};
     try {
         return instantiate(request, sink_of(*functions, name == nullptr ? "" : name), [] {});

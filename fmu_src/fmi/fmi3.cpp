@@ -111,7 +111,7 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count, con
 
 // ------------------------------------------------------------------ life of an instance
 
-fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String /*resources*/,
+fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
                                           fmi3Boolean /*visible*/, fmi3Boolean logging,
                                           fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) {
     const Request request{.function = "fmi3InstantiateModelExchange",
@@ -119,11 +119,12 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
                           .instance_name = name,
                           .token_name = "instantiationToken",
                           .token = token,
+                          .resources = resources,
                           .logging = logging};
     return instantiated(request, log, environment, [] {});
 }
 
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String /*resources*/,
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
                                          fmi3Boolean /*visible*/, fmi3Boolean logging, fmi3Boolean event_mode,
                                          fmi3Boolean /*early_return*/,
                                          const fmi3ValueReference /*required*/[], size_t n_required,
@@ -134,6 +135,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                           .instance_name = name,
                           .token_name = "instantiationToken",
                           .token = token,
+                          .resources = resources,
                           .logging = logging};
     return instantiated(request, log, environment, [&] {
         if (event_mode) {
@@ -145,7 +147,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     });
 }
 
-fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String /*resources*/,
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
                                                fmi3Boolean /*visible*/, fmi3Boolean logging,
                                                fmi3InstanceEnvironment environment,
                                                fmi3LogMessageCallback log, fmi3ClockUpdateCallback /*update*/,
@@ -156,6 +158,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token
                           .instance_name = name,
                           .token_name = "instantiationToken",
                           .token = token,
+                          .resources = resources,
                           .logging = logging};
     return instantiated(request, log, environment, [] {
         throw Refusal("this FMU is for co-simulation and model exchange, not for scheduled execution");

@@ -70,9 +70,17 @@ void require_time(const char* what, double value) {
 
 }  // namespace
 
-Instance::Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool events)
-    : fmu_(fmu), use_(use), journal_(std::move(sink), fmu.log, events) {
+Instance::Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool events, StartValues start_values)
+    : fmu_(fmu),
+      use_(use),
+      journal_(std::move(sink), fmu.log, events),
+      start_values_(std::move(start_values)) {
+    begin();
+}
+
+void Instance::begin() {
     adopt(fmu_.make_component(journal_));
+    start_values_.apply(component_->cells());
 }
 
 void Instance::adopt(std::unique_ptr<Component> component) {
@@ -174,7 +182,7 @@ void Instance::terminate() {
 }
 
 void Instance::reset() {
-    adopt(fmu_.make_component(journal_));
+    begin();
     progress_ = {};
 }
 

@@ -24,6 +24,7 @@
 #include "fmi/component.hpp"
 #include "fmi/fmu.hpp"
 #include "fmi/journal.hpp"
+#include "fmi/start_values.hpp"
 
 namespace truenorth::fmi {
 
@@ -53,7 +54,7 @@ class State {
 
 class Instance {
   public:
-    Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool events);
+    Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool events, StartValues start_values = {});
 
     void set_up_experiment(double start_time, std::optional<double> stop_time);
     void enter_initialisation();
@@ -111,6 +112,8 @@ class Instance {
     void advance(double time, double size);
     [[nodiscard]] State* find(const State* state) const;
     State* keep(std::string bytes);
+    // A new component with the start values.
+    void begin();
     void adopt(std::unique_ptr<Component> component);
 
     // How far it is.
@@ -133,6 +136,7 @@ class Instance {
     Fmu fmu_;
     Use use_;
     Journal journal_;
+    StartValues start_values_;
     std::unique_ptr<Component> component_;
     std::vector<Cell> cells_;  // of the component and, as the last one, the time
     std::vector<std::unique_ptr<State>> states_;

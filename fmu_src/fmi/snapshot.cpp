@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "fmi/archive.hpp"
+#include "fmi/checksum.hpp"
 #include "fmi/refusal.hpp"
 
 namespace truenorth::fmi {
@@ -15,16 +16,6 @@ namespace {
 
 constexpr std::string_view magic = "TNstate\n";
 constexpr std::uint32_t format_version = 2;
-
-// FNV-1a, 64 bits: any single changed byte changes it.
-std::uint64_t checksum_of(std::string_view bytes) {
-    std::uint64_t hash = 0xcbf29ce484222325U;
-    for (const char byte : bytes) {
-        hash ^= static_cast<unsigned char>(byte);
-        hash *= 0x100000001b3U;
-    }
-    return hash;
-}
 
 const char* name_of(Kind kind) { return kind == Kind::co_simulation ? "co-simulation" : "model exchange"; }
 
