@@ -21,6 +21,7 @@ from dask.system import CPU_COUNT
 from distributed import Client, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
 from distributed.scheduler import KilledWorker
 
+from sim_scenarios import simulation
 from sim_scenarios.campaigns import runs, store
 from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
 from sim_scenarios.campaigns.runs import Bench
@@ -152,10 +153,20 @@ def dask_setup(_: Worker) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def bounds(client: Client, made: Sequence[Case]) -> list[xr.Dataset]:
-    """Cramer-Rao bound of every case."""
-    futures = client.map(_bound, made, pure=False)
-    return list(client.gather(futures))
+def bounds(client: Client, made: Sequence[Case], fmus: Fmus) -> list[xr.Dataset]:
+    """Cramer-Rao bound of every case, with the attributes of its runs; it knows nothing of faults."""
+    own = {case.label: case for case in made if case.unfaulted is None}
+    computed = client.gather(client.map(_bound, list(own.values()), pure=False))
+    found: dict[str, xr.Dataset] = dict(zip(own, computed, strict=True))
+
+    def of(case: Case) -> xr.Dataset:
+        if case.unfaulted is None:
+            return found[case.label]
+        bound = found[case.unfaulted]
+        result: xr.Dataset = bound.assign_attrs({**bound.attrs, **simulation.attributes(case.scenario, fmus)})
+        return result
+
+    return [of(case) for case in made]
 
 
 def execute(

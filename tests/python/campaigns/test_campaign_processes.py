@@ -140,7 +140,7 @@ def test_a_cluster_that_exists_and_a_worker_that_dies(
 def test_a_worker_with_other_fmus_is_refused(fmus: Fmus, tmp_path: Path) -> None:
     plan = load_plan("zigzag", runs=1, set=SETTINGS)
     made = cases(plan, fmus)
-    store.create(tmp_path, plan, made, "any", [bound(case, fmus) for case in made])
+    store.create(tmp_path, plan, made, "any", [bound(case, fmus) for case in made], fmus.plant)
     others = {"TruthPlant": "another", "AlignmentFilter": fmus.filter.guid}
     with (
         Client(processes=False, n_workers=1, dashboard_address="127.0.0.1:0") as client,
