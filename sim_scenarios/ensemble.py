@@ -15,7 +15,7 @@ import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -40,9 +40,10 @@ TILT, VELOCITY, HORIZONTAL_VELOCITY, POSITION, HORIZONTAL = (
     slice(first, end) for first, end in ((1, 3), (3, 6), (3, 5), (6, 9), (6, 8))
 )
 VERTICAL = 8
-COLUMNS = 11
+NOISE = slice(11, 17)
+COLUMNS = 17
 """Columns of errors: heading and tilts [rad], velocity [m/s], position [m], NIS for each channel, NEES for
-each state."""
+each state, sigma of position [m] and velocity [m/s] fixes as the filter has estimated it."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +55,9 @@ class Errors:
     time : ndarray, shape (times,)
         [s]
     values : ndarray, shape (runs, times, k)
-        Estimated minus true, in SI units; the NIS is that of the fix at the time, NaN where there was none;
-        the NEES is NaN for a filter that does not put out its covariance.
+        Estimated minus true, in SI units; NIS and estimated sigmas are those of the fix at the time, NaN
+        where there was none; the NEES is NaN for a filter that does not put out its covariance, the sigmas
+        for one that does not estimate them.
     limit : float
         Heading error within which a filter counts as settled [rad].
     """
@@ -172,6 +174,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
     "horizontal": Figure("horizontal", "m", 1.0, HORIZONTAL, mean_rmse),
     "vertical": Figure("vertical", "m", 1.0, VERTICAL, mean_rmse),
     "velocity": Figure("velocity", "m/s", 1.0, VELOCITY, mean_rmse),
+    "velocity_east": Figure("velocity east", "m/s", 1.0, VELOCITY.start, mean_rmse),
     "tilt": Figure("tilt", "'", ARCMIN, TILT, mean_rmse),
     "yaw": Figure("yaw", "'", ARCMIN, HEADING, mean_rmse),
     "largest_velocity": Figure("largest velocity error", "m/s", 1.0, HORIZONTAL_VELOCITY, largest),
@@ -192,10 +195,13 @@ class Ensemble:
         By label.
     attributes : dict
         Those of the data set of `sim_scenarios.compare`, of the first run.
+    velocity : ndarray, shape (times, 3)
+        The true one of the first run, east, north, up [m/s].
     """
 
     filters: dict[str, Errors]
     attributes: dict[str, Any]
+    velocity: Array = field(default_factory=lambda: np.empty((0, 3)))
 
     @property
     def count(self) -> int:
@@ -218,10 +224,15 @@ class Ensemble:
         return value / FIGURES[name].of(self.filters[over], window or self.window) if over else value
 
 
+def workers_of(workers: int | None) -> int:
+    """How many processes there will be: one for each core, if nobody says otherwise."""
+    return workers or os.cpu_count() or 1
+
+
 @contextmanager
 def processes(workers: int | None = None) -> Iterator[ProcessPoolExecutor]:
     """A pool of processes, one for each core; an interruption does not wait for what is queued."""
-    pool = ProcessPoolExecutor(workers or os.cpu_count(), initializer=_leave_interruptions)
+    pool = ProcessPoolExecutor(workers_of(workers), initializer=_leave_interruptions)
     try:
         yield pool
     finally:
@@ -235,6 +246,7 @@ def ensemble(
     labels: Sequence[str],
     settings: Mapping[str, object] | None = None,
     progress: Progress = lambda _: None,
+    kept: Path | None = None,
 ) -> Ensemble:
     """Run filters that a scenario compares, with each seed.
 
@@ -252,10 +264,13 @@ def ensemble(
         As `set` of `sim_scenarios.run`.
     progress : callable
         Called with the completed share.
+    kept : Path, optional
+        Folder that keeps what is done: a run that is there is not done again. It holds the runs of one
+        scenario with one choice of settings and filters.
     """
     batches = _batches(seeds)
     futures: list[Future[list[xr.Dataset]]] = [
-        pool.submit(_runs, scenario, batch, labels, dict(settings or {})) for batch in batches
+        pool.submit(_runs, scenario, batch, labels, dict(settings or {}), kept) for batch in batches
     ]
     done = 0
     for future in as_completed(futures):
@@ -274,7 +289,7 @@ def gathered(runs: Sequence[xr.Dataset]) -> Ensemble:
         for label in first["filter"].values
     }
     filters = {label: Errors(first["time"].values, errors, limit) for label, errors in values.items()}
-    return Ensemble(filters, dict(first.attrs))
+    return Ensemble(filters, dict(first.attrs), first["velocity"].values)
 
 
 def errors_of_run(run: xr.Dataset) -> xr.Dataset:
@@ -282,7 +297,10 @@ def errors_of_run(run: xr.Dataset) -> xr.Dataset:
     labels = run["filter"].values
     columns = [_columns(recording.of_filter(run, str(label))) for label in labels]
     return xr.Dataset(
-        {"errors": (("filter", "time", "column"), np.stack(columns))},
+        {
+            "errors": (("filter", "time", "column"), np.stack(columns)),
+            "velocity": (("time", "axis"), run["truth.velocity"].values),
+        },
         coords={"filter": labels, "time": run["time"].values},
         attrs=run.attrs,
     )
@@ -300,6 +318,11 @@ def _columns(run: xr.Dataset) -> Array:
     channels = is_measured(run)[used].sum(axis=1)  # none of a fix that a coarse stage used
     nis = np.where(channels > 0, run["nis"].values[used] / np.maximum(channels, 1), np.nan)
     errors[row[inside], NIS] = nis[inside]
+    if "measurement_sigma_estimate" in run:
+        estimate = run["measurement_sigma_estimate"]
+        units = np.array(estimate.attrs["units"].split())
+        first = [i for unit in ("m", "m/s") for i in np.flatnonzero(units == unit)[:3]]
+        errors[row[inside], NOISE] = estimate.values[used][inside][:, first]
     if "covariance" in run:
         errors[:, NEES] = nees_of(run)
     return errors
@@ -310,12 +333,33 @@ def _leave_interruptions() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
+def run_file(kept: Path, seed: int) -> Path:
+    """Where the run of a seed is kept."""
+    return kept / f"run_{seed}.nc"
+
+
 def _runs(
-    scenario: str | Path, seeds: Sequence[int], labels: Sequence[str], settings: Mapping[str, object]
+    scenario: str | Path,
+    seeds: Sequence[int],
+    labels: Sequence[str],
+    settings: Mapping[str, object],
+    kept: Path | None,
 ) -> list[xr.Dataset]:
     """Runs in a process of the pool, which loads the FMUs once for all of them."""
     fmus = Fmus()
-    return [errors_of_run(_run(scenario, seed, labels, settings, fmus)) for seed in seeds]
+    runs = []
+    for seed in seeds:
+        file = run_file(kept, seed) if kept else None
+        if file and file.is_file():
+            runs.append(recording.load(file))
+            continue
+        run = errors_of_run(_run(scenario, seed, labels, settings, fmus))
+        if file:
+            unfinished = file.with_suffix(".part")
+            recording.save(run, unfinished)
+            unfinished.replace(file)
+        runs.append(run)
+    return runs
 
 
 def _run(

@@ -162,7 +162,7 @@ def root_mean_square(values: ArrayLike) -> Estimate:
     """Root mean square of the RMSE of independent runs, with its interval."""
     r = np.asarray(values, dtype=float)
     if len(r) == 0:
-        return Estimate(np.nan, np.nan, np.nan)
+        return _unknown()
     value = float(np.sqrt(np.mean(r**2)))
     return _log_interval(value, _influence(r))
 
@@ -171,9 +171,23 @@ def paired_ratio(values: ArrayLike, reference: ArrayLike) -> Estimate:
     """Ratio of the root mean squares of two filters over the same runs, with its interval."""
     a, b = np.asarray(values, dtype=float), np.asarray(reference, dtype=float)
     if len(a) == 0 or not np.any(b):
-        return Estimate(np.nan, np.nan, np.nan)
+        return _unknown()
     value = float(np.sqrt(np.mean(a**2) / np.mean(b**2)))
     return _log_interval(value, _influence(a) - _influence(b))
+
+
+def mean_of(values: ArrayLike) -> Estimate:
+    """Mean of a figure of independent runs that is never negative, with its interval."""
+    r = np.asarray(values, dtype=float)
+    return _log_interval(float(np.mean(r)), r / np.mean(r)) if np.any(r) else _unknown()
+
+
+def ratio_of_means(values: ArrayLike, reference: ArrayLike) -> Estimate:
+    """Ratio of the means of such a figure of two filters over the same runs, with its interval."""
+    a, b = np.asarray(values, dtype=float), np.asarray(reference, dtype=float)
+    if not (np.any(a) and np.any(b)):
+        return _unknown()
+    return _log_interval(float(np.mean(a) / np.mean(b)), a / np.mean(a) - b / np.mean(b))
 
 
 def error_course(error: Array) -> Course:
@@ -278,6 +292,10 @@ def _courses(
     }
 
 
+def _unknown() -> Estimate:
+    return Estimate(np.nan, np.nan, np.nan)
+
+
 def _influence(r: Array) -> Array:
     """Influence of each run on the logarithm of the root mean square, d_k."""
     square = np.mean(r**2)
@@ -296,7 +314,7 @@ def _log_interval(value: float, influence: Array) -> Estimate:
 def _share(events: int, count: int) -> Estimate:
     """Share of events with the interval of Clopper and Pearson, quantiles of beta distributions."""
     if count == 0:
-        return Estimate(np.nan, np.nan, np.nan)
+        return _unknown()
     tail = (1 - CONFIDENCE) / 2
     lower = betaincinv(events, count - events + 1, tail) if events > 0 else 0.0
     upper = betaincinv(events + 1, count - events, 1 - tail) if events < count else 1.0
@@ -314,6 +332,6 @@ def _order(ascending: Array, share: float) -> float:
 def _consistency(total: Array, degrees: Array) -> Estimate:
     count = float(np.sum(degrees))
     if count == 0:
-        return Estimate(np.nan, np.nan, np.nan)
+        return _unknown()
     lower, upper = chi_square_interval(int(count))
     return Estimate(float(np.sum(total)) / count, lower / count, upper / count)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 import typer
@@ -11,17 +12,23 @@ from sim_scenarios.cli.results import Results
 from sim_scenarios.cli.terminal import (
     console,
     print_json,
+    print_names,
     print_pairs,
     print_table,
     progress,
     refusing_bad_input,
+    say,
 )
-from sim_scenarios.ensemble import processes
-from sim_scenarios.papers import load_paper, page, shipped
-from sim_scenarios.papers.reproduction import Reproduced, reproduce
+from sim_scenarios.ensemble import processes, workers_of
+from sim_scenarios.papers import Paper, load_paper, page, shipped
+from sim_scenarios.papers.reproduction import Reproduced, plans, reproduce
 
 Name = Annotated[
     str, typer.Argument(metavar="NAME", help=f"One of {', '.join(shipped())}.", show_default=False)
+]
+List = Annotated[
+    bool,
+    typer.Option("--list", help="List what the paper numbers and what is drawn for it, without running it."),
 ]
 Runs = Annotated[
     int | None,
@@ -33,6 +40,7 @@ Workers = Annotated[int | None, typer.Option(min=1, help="Processes.", show_defa
 
 def reproduce_paper(
     name: Name,
+    listing: List = False,
     runs: Runs = None,
     seed: FirstSeed = 1,
     output: Output = None,
@@ -41,8 +49,12 @@ def reproduce_paper(
 ) -> None:
     """Reproduce what a paper prints: its figures beside those measured here, and why they differ.
 
+    Finished runs are kept in the output folder: the same command with the same `--output` goes on where it
+    was stopped, and does only what is new when `-n` grows.
+
     For example:
 
+        truenorth paper zhou --list
         truenorth paper zhou
         truenorth paper zhao -n 20 --output results
 
@@ -50,29 +62,66 @@ def reproduce_paper(
     """
     with refusing_bad_input():
         paper = load_paper(name)
+    if listing:
+        _list(paper, as_json)
+        return
+    with refusing_bad_input():
         folder = Results(output).folder(f"paper-{name}")
-        count = runs or paper.runs
+        seeds = range(seed, seed + (runs or paper.runs))
+        planned = plans(paper, seeds, folder)
+        missing, cost = sum(plan.missing for plan in planned), sum(plan.cost for plan in planned)
+        say(
+            f"{name}: {missing} of {len(seeds) * len(planned)} runs to do"
+            + (f", {_duration(cost / workers_of(workers))} or so" if missing else "")
+            + f"; they are kept in {folder}"
+        )
+        sections, pictures = [], []
         with processes(workers) as pool, progress(name) as advance:
-            results = reproduce(paper, pool, count, seed, advance)
-            sections = [page.section(result, folder) for result in results]
-        report = page.write(paper, sections, count, seed, folder)
+            for result in reproduce(planned, pool, seeds, advance):
+                sections.append(page.section(result))
+                pictures += page.draw(paper, result, folder)
+        report = page.write(paper, sections, pictures, seeds, folder)
     tables = [table for section in sections for table in section.tables]
     if as_json:
         print_json(
             {
                 "paper": name,
-                "runs": count,
+                "runs": len(seeds),
                 "seed": seed,
                 "verdict": paper.verdict,
                 "tables": [table.to_json() for table in tables],
+                "pictures": [str(folder / drawn.file) for drawn in pictures],
                 "report": str(report),
             }
         )
         return
     for table in tables:
         _print(table)
-    print_pairs({"Runs": f"{count}, seeds {seed} to {seed + count - 1}", "Report": str(report)})
+    print_pairs(
+        {
+            "Runs": f"{len(seeds)}, seeds {seeds[0]} to {seeds[-1]}",
+            "Pictures": f"{len(pictures)}, in {folder}",
+            "Report": str(report),
+        }
+    )
     console().print(paper.verdict, highlight=False, markup=False)
+
+
+def _list(paper: Paper, as_json: bool) -> None:
+    if as_json:
+        keys = ("number", "in_the_paper", "here")
+        rows = [dict(zip(keys, row, strict=True)) for row in paper.listing()[1:]]
+        print_json({"paper": paper.name, "citation": paper.citation, "figures": rows})
+        return
+    console().print(paper.citation, highlight=False, markup=False)
+    print_names(paper.listing())
+
+
+def _duration(seconds: float) -> str:
+    """A time that is not known to the second."""
+    if seconds < 55:
+        return f"{10 * max(1, math.ceil(seconds / 10))} s"
+    return f"{math.ceil(seconds / 60)} min"
 
 
 def _print(table: Reproduced) -> None:

@@ -2,15 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
+from sim_scenarios.ensemble import Ensemble
+from sim_scenarios.fmus import Fmus
 from sim_scenarios.html import render
-from sim_scenarios.papers import Paper
+from sim_scenarios.papers import Paper, Picture
 from sim_scenarios.papers.reproduction import Reproduced, Result
-from sim_scenarios.plots.ensemble import over_time
+from sim_scenarios.plots.ensemble import drawn
 from sim_scenarios.plots.style import png
+from sim_scenarios.scenario import Scenario
+from sim_scenarios.simulation import parameter
+
+Array = NDArray[np.float64]
+
+CAPTIONS = {
+    "run": "Errors of the first run over time",
+    "value": "The first run over time, and what is true",
+    "rms": "Root mean square error over the runs",
+    "distribution": "Share of the runs whose root mean square error is no larger",
+}
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A picture.
+
+    Attributes
+    ----------
+    picture : Picture
+    file : str
+        Its name in the folder of the report.
+    content : bytes
+        PNG.
+    caption : str
+    """
+
+    picture: Picture
+    file: str
+    content: bytes
+    caption: str
 
 
 @dataclass(frozen=True)
@@ -21,26 +58,88 @@ class Section:
     description: str
     notes: str
     tables: Sequence[Reproduced]
-    picture: bytes
 
 
-def section(result: Result, folder: Path) -> Section:
-    """What the page keeps of an experiment; draws its picture into the folder."""
-    experiment, runs = result.experiment, result.ensemble
-    windows = [table.window or runs.window for table in experiment.table]
-    title = f"{experiment.scenario}: root mean square over {runs.count} runs"
-    picture = png(over_time(runs, experiment.picture, windows, title))
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{experiment.scenario}.png").write_bytes(picture)
-    attributes = runs.attributes
-    return Section(
-        experiment.scenario, attributes["description"], attributes["notes"], result.tables, picture
-    )
+def section(result: Result) -> Section:
+    """What the page keeps of an experiment besides its pictures."""
+    attributes = result.ensemble.attributes
+    return Section(result.experiment.scenario, attributes["description"], attributes["notes"], result.tables)
 
 
-def write(paper: Paper, sections: Sequence[Section], runs: int, seed: int, folder: Path) -> Path:
+def draw(paper: Paper, result: Result, folder: Path) -> list[Drawn]:
+    """Draw the pictures of an experiment into a folder."""
+    pictures = []
+    for figure in paper.figure:
+        for n, picture in enumerate(figure.picture):
+            if picture.experiment != result.experiment.name:
+                continue
+            runs = result.ensemble
+            labels = picture.filters or result.experiment.labels()
+            image = png(
+                drawn(
+                    runs,
+                    picture.kind,
+                    picture.panels,
+                    labels,
+                    picture.window,
+                    _told(runs, result.scenario),
+                )
+            )
+            letter = chr(ord("a") + n) if len(figure.picture) > 1 else ""
+            file = f"{_slug(figure.number or figure.shows)}{letter}.png"
+            (folder / file).write_bytes(image)
+            caption = f"{CAPTIONS[picture.kind]}; scenario {result.experiment.scenario}."
+            pictures.append(Drawn(picture, file, image, caption))
+    return pictures
+
+
+def write(
+    paper: Paper, sections: Sequence[Section], pictures: Sequence[Drawn], seeds: Sequence[int], folder: Path
+) -> Path:
     """Write the page; its path."""
     path = folder / "report.html"
-    page = render("paper.html", paper=paper, sections=sections, runs=runs, seed=seed)
+    page = render(
+        "paper.html",
+        paper=paper,
+        sections=sections,
+        figures=[(figure, [d for d in pictures if d.picture in figure.picture]) for figure in paper.figure],
+        seeds=seeds,
+    )
     path.write_text(page, encoding="utf-8")
     return path
+
+
+def _slug(title: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "_", title.lower()).strip("_")[:60]
+
+
+def _told(runs: Ensemble, scenario: Scenario) -> Callable[[str], Array | None]:
+    """What is true of a panel: the velocity, or the sigma of the fixes over time."""
+    time = next(iter(runs.filters.values())).time
+    axes: Mapping[str, int] = {"east": 1, "north": 2, "height": 3}
+
+    def told(panel: str) -> Array | None:
+        kind, _, what = panel.partition("_")
+        if kind == "value":
+            return runs.velocity[:, axes[what.removeprefix("velocity_")] - 1]
+        if kind != "sigma":
+            return None
+        quantity, _, axis = what.rpartition("_")
+        name = f"gnss.{quantity or 'position'}_sigma[{axes[axis]}]"
+        plant = Fmus().plant
+        return float(parameter(scenario, plant, name)) * noise_scale(
+            time, lambda entry: float(parameter(scenario, plant, f"gnss.noise_scale.{entry}"))
+        )
+
+    return told
+
+
+def noise_scale(time: Array, entry: Callable[[str], float]) -> Array:
+    """Factor on the noise of the fixes: a step and a sine, each in its window (Jing 2023, eq. 21)."""
+
+    def within(window: str) -> NDArray[np.bool_]:
+        return (time >= entry(f"{window}.begin")) & (time < entry(f"{window}.end"))
+
+    step = np.where(within("step"), entry("step.factor"), 1.0)
+    phase = 2 * np.pi * (time - entry("sine.begin")) / entry("sine.period")
+    return np.asarray(step * np.where(within("sine"), 1 + entry("sine.amplitude") * np.sin(phase), 1.0))
