@@ -23,7 +23,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios import recording, simulation
+from sim_scenarios import recorded_imu, recording, simulation
 from sim_scenarios.attitude import wrap
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.errors import InputError
@@ -247,6 +247,7 @@ def ensemble(
     settings: Mapping[str, object] | None = None,
     progress: Progress = lambda _: None,
     kept: Path | None = None,
+    residuals: Path | None = None,
 ) -> Ensemble:
     """Run filters that a scenario compares, with each seed.
 
@@ -267,10 +268,13 @@ def ensemble(
     kept : Path, optional
         Folder that keeps what is done: a run that is there is not done again. It holds the runs of one
         scenario with one choice of settings and filters.
+    residuals : Path, optional
+        Recording whose residuals are added to the increments of the plant, in each run from another place on.
     """
     batches = _batches(seeds)
     futures: list[Future[list[xr.Dataset]]] = [
-        pool.submit(_runs, scenario, batch, labels, dict(settings or {}), kept) for batch in batches
+        pool.submit(_runs, scenario, batch, labels, dict(settings or {}), kept, residuals)
+        for batch in batches
     ]
     done = 0
     for future in as_completed(futures):
@@ -344,6 +348,7 @@ def _runs(
     labels: Sequence[str],
     settings: Mapping[str, object],
     kept: Path | None,
+    residuals: Path | None,
 ) -> list[xr.Dataset]:
     """Runs in a process of the pool, which loads the FMUs once for all of them."""
     fmus = Fmus()
@@ -353,7 +358,7 @@ def _runs(
         if file and file.is_file():
             runs.append(recording.load(file))
             continue
-        run = errors_of_run(_run(scenario, seed, labels, settings, fmus))
+        run = errors_of_run(_run(scenario, seed, labels, settings, fmus, residuals))
         if file:
             unfinished = file.with_suffix(".part")
             recording.save(run, unfinished)
@@ -363,7 +368,12 @@ def _runs(
 
 
 def _run(
-    scenario: str | Path, seed: int, labels: Sequence[str], settings: Mapping[str, object], fmus: Fmus
+    scenario: str | Path,
+    seed: int,
+    labels: Sequence[str],
+    settings: Mapping[str, object],
+    fmus: Fmus,
+    residuals: Path | None,
 ) -> xr.Dataset:
     loaded = load_scenario(scenario, fmus, seed=seed, settings=settings)
     known = loaded.filters()
@@ -372,10 +382,21 @@ def _run(
             hint = did_you_mean(label, list(known)) or f"; there are {', '.join(known)}"
             raise InputError(f"{scenario} compares no filter '{label}'{hint}")
     filters = {label: known[label] for label in labels}
-    recorded, messages = simulation.simulated(loaded, fmus, filters)
+    added = _residuals(residuals, loaded.communication_step, seed) if residuals else None
+    recorded, messages = simulation.simulated(loaded, fmus, filters, added=added)
     data = simulation.dataset(recorded, loaded, fmus, list(labels))
     data.attrs = simulation.attributes(loaded, fmus, messages)
     return data
+
+
+def _residuals(path: Path, period: float, seed: int) -> dict[str, Array]:
+    """Residuals of a recording from a place of its own for each seed on, and on from its beginning.
+
+    There is one recording: runs share its pieces, and what they say together is surer than it looks.
+    """
+    rest = recorded_imu.residuals(path, period, span=60.0)
+    start = round(37.0 * seed / period)
+    return {name: np.roll(values, -start) for name, values in rest.items()}
 
 
 def _batches(seeds: Sequence[int], most: int = 4) -> list[Sequence[int]]:

@@ -190,6 +190,16 @@ def ratio_of_means(values: ArrayLike, reference: ArrayLike) -> Estimate:
     return _log_interval(float(np.mean(a) / np.mean(b)), a / np.mean(a) - b / np.mean(b))
 
 
+def share(events: int, count: int) -> Estimate:
+    """Share of events with the interval of Clopper and Pearson, quantiles of beta distributions."""
+    if count == 0:
+        return _unknown()
+    tail = (1 - CONFIDENCE) / 2
+    lower = betaincinv(events, count - events + 1, tail) if events > 0 else 0.0
+    upper = betaincinv(events + 1, count - events, 1 - tail) if events < count else 1.0
+    return Estimate(events / count, float(lower), float(upper))
+
+
 def error_course(error: Array) -> Course:
     """Size of an error over time, from its values of each run, shape (runs, times)."""
     size = np.abs(error)
@@ -260,12 +270,12 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
     return {
         "runs": runs,
         "stopped": stopped,
-        "failures": _share(runs - int((one["success"].values[finished] == 1).sum()), runs),
+        "failures": share(runs - int((one["success"].values[finished] == 1).sum()), runs),
         "rmse": {name: root_mean_square(one[f"{name}_rmse"].values[finished]) for name in ERRORS},
         "to_bound": root_mean_square(each / float(one[f"{counting}_bound_rms"])),
         "convergence": (_order(times, 0.5), _order(times, 0.9)),
         "hand_over": (float(handed.min()), float(handed.max())) if len(handed) else (np.nan, np.nan),
-        "wrong_claims": _share(int((deviation > WRONG).sum()), claims),
+        "wrong_claims": share(int((deviation > WRONG).sum()), claims),
         "claims": claims,
         "nis": _consistency(one["nis_sum"].values[finished], one["nis_channels_sum"].values[finished]),
         "each": each,
@@ -309,16 +319,6 @@ def _log_interval(value: float, influence: Array) -> Estimate:
     error = np.std(influence, ddof=1) / np.sqrt(count)
     reach = float(np.exp(stdtrit(count - 1, (1 + CONFIDENCE) / 2) * error))
     return Estimate(value, value / reach, value * reach)
-
-
-def _share(events: int, count: int) -> Estimate:
-    """Share of events with the interval of Clopper and Pearson, quantiles of beta distributions."""
-    if count == 0:
-        return _unknown()
-    tail = (1 - CONFIDENCE) / 2
-    lower = betaincinv(events, count - events + 1, tail) if events > 0 else 0.0
-    upper = betaincinv(events + 1, count - events, 1 - tail) if events < count else 1.0
-    return Estimate(events / count, float(lower), float(upper))
 
 
 def _order(ascending: Array, share: float) -> float:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from sim_scenarios.benchmark import filter_steps
 from sim_scenarios.cli.options import AsJson, Output
 from sim_scenarios.cli.results import Results
 from sim_scenarios.cli.terminal import (
@@ -20,8 +22,10 @@ from sim_scenarios.cli.terminal import (
     say,
 )
 from sim_scenarios.ensemble import processes, workers_of
+from sim_scenarios.fmus import Fmus
 from sim_scenarios.papers import Paper, load_paper, page, shipped
-from sim_scenarios.papers.reproduction import Reproduced, plans, reproduce
+from sim_scenarios.papers.claims import Point, Swept, Timed, points
+from sim_scenarios.papers.reproduction import Plan, Plans, plans, result_of, run_plans
 
 Name = Annotated[
     str, typer.Argument(metavar="NAME", help=f"One of {', '.join(shipped())}.", show_default=False)
@@ -69,18 +73,21 @@ def reproduce_paper(
         folder = Results(output).folder(f"paper-{name}")
         seeds = range(seed, seed + (runs or paper.runs))
         planned = plans(paper, seeds, folder)
-        missing, cost = sum(plan.missing for plan in planned), sum(plan.cost for plan in planned)
-        say(
-            f"{name}: {missing} of {len(seeds) * len(planned)} runs to do"
-            + (f", {_duration(cost / workers_of(workers))} or so" if missing else "")
-            + f"; they are kept in {folder}"
-        )
-        sections, pictures = [], []
+        _announce(name, planned, folder, workers_of(workers))
+        sections: list[page.Section] = []
+        pictures: list[page.Drawn] = []
+        swept: dict[str, list[Point]] = {sweep.name: [] for sweep, _ in planned.sweeps}
         with processes(workers) as pool, progress(name) as advance:
-            for result in reproduce(planned, pool, seeds, advance):
-                sections.append(page.section(result))
-                pictures += page.draw(paper, result, folder)
-        report = page.write(paper, sections, pictures, seeds, folder)
+            for plan, measured in run_plans(planned.all, pool, advance):
+                if plan in planned.experiments:
+                    result = result_of(plan, measured)
+                    sections.append(page.section(result, _timed(plan)))
+                    pictures += page.draw(paper, result, folder)
+                    continue
+                sweep, value = planned.swept_by(plan)
+                swept[sweep.name] += points(sweep, value, measured)
+        sections += [page.section_of_sweep(Swept(s, swept[s.name]), folder) for s, _ in planned.sweeps]
+        report = page.write(paper, sections, pictures, planned.left_out, seeds, folder)
     tables = [table for section in sections for table in section.tables]
     if as_json:
         print_json(
@@ -90,6 +97,7 @@ def reproduce_paper(
                 "seed": seed,
                 "verdict": paper.verdict,
                 "tables": [table.to_json() for table in tables],
+                "left_out": planned.left_out,
                 "pictures": [str(folder / drawn.file) for drawn in pictures],
                 "report": str(report),
             }
@@ -104,7 +112,23 @@ def reproduce_paper(
             "Report": str(report),
         }
     )
-    console().print(paper.verdict, highlight=False, markup=False)
+    for sentence in (*planned.left_out, paper.verdict):
+        console().print(sentence, highlight=False, markup=False)
+
+
+def _announce(name: str, planned: Plans, folder: Path, workers: int) -> None:
+    """Say how much there is to do, and how long it will take."""
+    wanted = sum(len(plan.seeds) for plan in planned.all)
+    missing, cost = sum(plan.missing for plan in planned.all), sum(plan.cost for plan in planned.all)
+    time = f", {_duration(cost / workers)} or so" if missing else ""
+    say(f"{name}: {missing} of {wanted} runs to do{time}; they are kept in {folder}")
+
+
+def _timed(plan: Plan) -> Timed | None:
+    """How long the steps of an experiment's filters take, if the paper says something of it."""
+    if not plan.experiment.time:
+        return None
+    return Timed(plan.experiment, filter_steps(plan.scenario, Fmus()))
 
 
 def _list(paper: Paper, as_json: bool) -> None:
@@ -124,7 +148,7 @@ def _duration(seconds: float) -> str:
     return f"{math.ceil(seconds / 60)} min"
 
 
-def _print(table: Reproduced) -> None:
+def _print(table: page.Tabled) -> None:
     console().print(table.title, style="bold", highlight=False, markup=False)
     print_table(table.cells())
     for difference in table.differences:

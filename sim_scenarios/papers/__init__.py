@@ -12,8 +12,10 @@ the scenario compares ::
     name = "printed"                     # by which figures refer to it
     scenario = "swaying_ship_printed"
     set = { "gnss.rate" = 10.0 }         # as --set of `truenorth run`; may be left out
+    residuals = "parked.csv.gz"          # a recording (see `recorded_imu`) whose residuals join the noise
     also = ["EKF"]                       # filters that run, of which the paper says nothing
     cost = 2.5                           # seconds of one core a run, as measured
+    time = { "UKF / EKF" = "larger" }    # what the paper says of the time of a step
 
     [[experiment.table]]
     title = "Fig. 3, 300 to 600 s"
@@ -35,6 +37,18 @@ the scenario compares ::
     panels = ["heading"]                 # of `plots.ensemble.PANELS`
     filters = ["UKF"]                    # all, if left out
     window = [300.0, 600.0]              # s; the whole run, if left out
+
+    [[sweep]]                            # how far a filter gets: the same with one thing changed
+    name = "range"
+    title = "..."
+    scenario = "static_large_misalignment"
+    entry = "initial_error.misalignment"
+    values = [10.0, 20.0]                # of what stands in braces below
+    value = ["10 deg", "20 deg", "{} deg"]
+    axis = "heading error at the start [deg]"
+    filters = ["EKF", "UKF"]
+    runs = 10
+    cost = 0.3
 
 A paper that says no number is quoted in a word. A figure without a number is ours: the paper has none such.
 """
@@ -64,6 +78,8 @@ OVER: Final = " / "
 """Between the two filters of a ratio."""
 
 Window = tuple[float, float]
+Cost = Annotated[float, Field(gt=0)]
+"""Seconds of one core a run."""
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 
 
@@ -101,14 +117,45 @@ class Experiment(Table):
     name: Text
     scenario: str
     set: dict[str, Any] = Field(default={})
+    residuals: str | None = None
     also: tuple[str, ...] = ()
-    cost: Annotated[float, Field(gt=0)]
-    table: tuple[Printed, ...]
+    cost: Cost
+    table: tuple[Printed, ...] = ()
+    time: dict[str, str] = Field(default={})
 
     def labels(self) -> list[str]:
         """Filters that run."""
         named = [name for table in self.table for what in table.printed for name in what.split(OVER)]
         return list(dict.fromkeys([*named, *self.also]))
+
+
+class Sweep(Table):
+    """Filters of a scenario from start to start, to see from where they still converge."""
+
+    name: Text
+    title: Text
+    scenario: str
+    set: dict[str, Any] = Field(default={})
+    entry: Text
+    values: Annotated[tuple[float, ...], Field(min_length=2)]
+    value: tuple[str, ...]
+    axis: Text
+    filters: Annotated[tuple[str, ...], Field(min_length=1)]
+    runs: Annotated[int, Field(ge=1)]
+    cost: Cost
+
+    def experiments(self) -> list[Experiment]:
+        """One for each value."""
+        return [
+            Experiment(
+                name=f"{self.name} {value:g}",
+                scenario=self.scenario,
+                set={**self.set, self.entry: [part.format(f"{value:g}") for part in self.value]},
+                also=self.filters,
+                cost=self.cost,
+            )
+            for value in self.values
+        ]
 
 
 class Picture(Table):
@@ -144,6 +191,7 @@ class Paper(Table):
     runs: Annotated[int, Field(ge=1)]
     figure: tuple[PaperFigure, ...]
     experiment: tuple[Experiment, ...]
+    sweep: tuple[Sweep, ...] = ()
 
     @model_validator(mode="after")
     def _pictures_are_of_experiments(self) -> Paper:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,9 @@ from sim_scenarios.ensemble import Ensemble
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.html import render
 from sim_scenarios.papers import Paper, Picture
-from sim_scenarios.papers.reproduction import Reproduced, Result
-from sim_scenarios.plots.ensemble import drawn
+from sim_scenarios.papers.claims import Swept, Timed
+from sim_scenarios.papers.reproduction import Result
+from sim_scenarios.plots.ensemble import converged, drawn
 from sim_scenarios.plots.style import png
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.simulation import parameter
@@ -50,20 +52,46 @@ class Drawn:
     caption: str
 
 
+class Tabled(Protocol):
+    """What is a table on the page, on the terminal and for machines."""
+
+    @property
+    def title(self) -> str:
+        """What it is of."""
+
+    @property
+    def differences(self) -> Sequence[str]:
+        """Why what is measured differs from what is printed, in sentences."""
+
+    def cells(self) -> list[list[str]]:
+        """The table with its heading."""
+
+    def to_json(self) -> dict[str, Any]:
+        """The same for machines."""
+
+
 @dataclass(frozen=True)
 class Section:
-    """An experiment on the page."""
+    """An experiment on the page; a sweep has its picture with it."""
 
-    scenario: str
-    description: str
+    title: str
     notes: str
-    tables: Sequence[Reproduced]
+    tables: Sequence[Tabled]
+    picture: bytes | None = None
 
 
-def section(result: Result) -> Section:
+def section(result: Result, timed: Timed | None = None) -> Section:
     """What the page keeps of an experiment besides its pictures."""
     attributes = result.ensemble.attributes
-    return Section(result.experiment.scenario, attributes["description"], attributes["notes"], result.tables)
+    tables: list[Tabled] = [*result.tables, *([timed] if timed else [])]
+    return Section(attributes["description"], attributes["notes"], tables)
+
+
+def section_of_sweep(swept: Swept, folder: Path) -> Section:
+    """A sweep on the page; draws its picture into the folder."""
+    picture = png(converged(swept.sweep.axis, swept.sweep.values, swept.shares()))
+    (folder / f"{_slug(swept.sweep.name)}.png").write_bytes(picture)
+    return Section(swept.title, "", [swept], picture)
 
 
 def draw(paper: Paper, result: Result, folder: Path) -> list[Drawn]:
@@ -94,7 +122,12 @@ def draw(paper: Paper, result: Result, folder: Path) -> list[Drawn]:
 
 
 def write(
-    paper: Paper, sections: Sequence[Section], pictures: Sequence[Drawn], seeds: Sequence[int], folder: Path
+    paper: Paper,
+    sections: Sequence[Section],
+    pictures: Sequence[Drawn],
+    left_out: Sequence[str],
+    seeds: Sequence[int],
+    folder: Path,
 ) -> Path:
     """Write the page; its path."""
     path = folder / "report.html"
@@ -103,6 +136,7 @@ def write(
         paper=paper,
         sections=sections,
         figures=[(figure, [d for d in pictures if d.picture in figure.picture]) for figure in paper.figure],
+        left_out=left_out,
         seeds=seeds,
     )
     path.write_text(page, encoding="utf-8")

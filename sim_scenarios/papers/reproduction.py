@@ -34,7 +34,8 @@ from sim_scenarios.ensemble import (
     run_file,
 )
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.papers import OVER, Experiment, Paper, Printed
+from sim_scenarios.papers import OVER, Experiment, Paper, Printed, Sweep
+from sim_scenarios.recorded_imu import RECORDINGS, recording_named
 from sim_scenarios.scenario import Scenario, load_scenario
 
 OfOne = Callable[[ArrayLike], Estimate]
@@ -146,16 +147,23 @@ class Plan:
     ----------
     experiment : Experiment
     scenario : Scenario
+    seeds : sequence of int
+    residuals : Path or None
+        Recording whose residuals join the noise.
     kept : Path
         Folder of its runs; another one for every change of scenario, filters or FMUs.
-    missing : int
-        Runs that are not there yet.
     """
 
     experiment: Experiment
     scenario: Scenario
+    seeds: Sequence[int]
+    residuals: Path | None
     kept: Path
-    missing: int
+
+    @property
+    def missing(self) -> int:
+        """Runs that are not there yet."""
+        return sum(not run_file(self.kept, seed).is_file() for seed in self.seeds)
 
     @property
     def cost(self) -> float:
@@ -163,46 +171,101 @@ class Plan:
         return self.experiment.cost * self.missing
 
 
-def plans(paper: Paper, seeds: Sequence[int], folder: Path) -> list[Plan]:
-    """What is to be done for a paper whose results go into a folder; makes the folders of its runs."""
+@dataclass(frozen=True)
+class Plans:
+    """What is to be done for a paper.
+
+    Attributes
+    ----------
+    experiments : list of Plan
+    sweeps : list of tuple of Sweep and list of Plan
+        A plan for each value.
+    left_out : list of str
+        Experiments that cannot be done, and why, in a sentence each.
+    """
+
+    experiments: list[Plan]
+    sweeps: list[tuple[Sweep, list[Plan]]]
+    left_out: list[str]
+
+    @property
+    def all(self) -> list[Plan]:
+        """All of them."""
+        return [*self.experiments, *(plan for _, of_sweep in self.sweeps for plan in of_sweep)]
+
+    def swept_by(self, plan: Plan) -> tuple[Sweep, float]:
+        """Sweep that a plan belongs to, and its value there."""
+        return next(
+            (sweep, sweep.values[of_sweep.index(plan)]) for sweep, of_sweep in self.sweeps if plan in of_sweep
+        )
+
+
+def plans(paper: Paper, seeds: Sequence[int], folder: Path) -> Plans:
+    """What is to be done for a paper whose results go into a folder; makes the folders of its runs.
+
+    A sweep has as many runs at each of its values as it says, or fewer if there are fewer seeds.
+    """
     fmus = Fmus()
-    result = []
-    for experiment in paper.experiment:
+
+    def plan(experiment: Experiment, seeds: Sequence[int], residuals: Path | None = None) -> Plan:
         scenario = load_scenario(experiment.scenario, fmus, settings=experiment.set)
-        kept = folder / "runs" / f"{experiment.name}-{_identity(scenario, experiment, fmus)}"
+        identity = _identity(scenario, experiment, fmus, residuals)
+        kept = folder / "runs" / f"{experiment.name.replace(' ', '_')}-{identity}"
         kept.mkdir(parents=True, exist_ok=True)
-        missing = sum(not run_file(kept, seed).is_file() for seed in seeds)
-        result.append(Plan(experiment, scenario, kept, missing))
-    return result
+        return Plan(experiment, scenario, seeds, residuals, kept)
+
+    experiments, left_out = [], []
+    for experiment in paper.experiment:
+        residuals = recording_named(experiment.residuals) if experiment.residuals else None
+        if experiment.residuals and residuals is None:
+            left_out.append(
+                f"{experiment.name}: not run, {experiment.residuals} is not in the folder that the "
+                f"environment variable {RECORDINGS} names"
+            )
+        else:
+            experiments.append(plan(experiment, seeds, residuals))
+    sweeps = [(sweep, [plan(e, seeds[: sweep.runs]) for e in sweep.experiments()]) for sweep in paper.sweep]
+    return Plans(experiments, sweeps, left_out)
 
 
-def reproduce(
-    planned: Sequence[Plan],
-    pool: ProcessPoolExecutor,
-    seeds: Sequence[int],
-    progress: Progress = lambda _: None,
-) -> Iterator[Result]:
+def run_plans(
+    planned: Sequence[Plan], pool: ProcessPoolExecutor, progress: Progress = lambda _: None
+) -> Iterator[tuple[Plan, Ensemble]]:
     """Run the experiments of a paper, one after another; each is dropped when the next begins."""
-    whole = sum(plan.cost for plan in planned) or 1.0
-    done = 0.0
-    for plan in planned:
-        experiment, before = plan.experiment, done
+    costs = [plan.cost for plan in planned]
+    whole, done = sum(costs) or 1.0, 0.0
+    for plan, cost in zip(planned, costs, strict=True):
+        experiment = plan.experiment
 
-        def advance(share: float, before: float = before, cost: float = plan.cost) -> None:
+        def advance(share: float, before: float = done, cost: float = cost) -> None:
             progress((before + share * cost) / whole)
 
-        measured = ensemble(
-            pool, experiment.scenario, seeds, experiment.labels(), experiment.set, advance, plan.kept
+        yield (
+            plan,
+            ensemble(
+                pool,
+                experiment.scenario,
+                plan.seeds,
+                experiment.labels(),
+                experiment.set,
+                advance,
+                plan.kept,
+                plan.residuals,
+            ),
         )
-        done += plan.cost
-        yield Result(
-            experiment, plan.scenario, measured, [beside(table, measured) for table in experiment.table]
-        )
+        done += cost
 
 
-def _identity(scenario: Scenario, experiment: Experiment, fmus: Fmus) -> str:
+def result_of(plan: Plan, measured: Ensemble) -> Result:
+    """An experiment with what it measured, beside what is printed."""
+    tables = [beside(table, measured) for table in plan.experiment.table]
+    return Result(plan.experiment, plan.scenario, measured, tables)
+
+
+def _identity(scenario: Scenario, experiment: Experiment, fmus: Fmus, residuals: Path | None) -> str:
     """Of all that decides what a run of an experiment is, its seed apart."""
     content = {
+        "residuals": residuals and hashlib.sha256(residuals.read_bytes()).hexdigest(),
         "scenario": scenario.model_dump(mode="json"),
         "labels": experiment.labels(),
         "fmus": {name: fmus[name].guid for name in scenario.fmu_names()},

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure as Drawn
 from numpy.typing import NDArray
 
+from sim_scenarios.campaigns.statistics import Estimate
 from sim_scenarios.ensemble import (
     HEADING,
     HORIZONTAL,
@@ -133,6 +134,20 @@ def drawn(
         if over_time:
             rows[-1].set_xlabel("time [s]")
         rows[0].legend(loc="best", ncols=3)
+        return picture
+
+
+def converged(axis: str, values: Sequence[float], shares: Mapping[str, Sequence[Estimate]]) -> Drawn:
+    """Share of the runs of each filter that converge, with its interval, over what is changed."""
+    with figure(rows=1, height=3.6) as (picture, (axes,)):
+        for label, colour, dashes in lines(shares):
+            of = shares[label]
+            axes.plot(values, [e.value for e in of], f"o{dashes}", color=colour, lw=1.2, label=label)
+            axes.fill_between(values, [e.lower for e in of], [e.upper for e in of], color=colour, alpha=0.12)
+        axes.set_ylabel("share of runs that converge")
+        axes.set_ylim(-0.03, 1.03)
+        axes.set_xlabel(axis)
+        axes.legend(loc="best")
         return picture
 
 

@@ -15,6 +15,7 @@ from sim_scenarios.ensemble import COLUMNS, HEADING, NOISE, VELOCITY, Ensemble, 
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.papers import Paper, Printed, load_paper, shipped
+from sim_scenarios.papers.claims import Swept, Timed, points
 from sim_scenarios.papers.page import noise_scale
 from sim_scenarios.papers.reproduction import beside, plans
 from sim_scenarios.plots.ensemble import drawn
@@ -179,38 +180,40 @@ def test_the_command(tmp_path: Path) -> None:
     command = ["paper", "zhao", "--seed", "5", "--json", "-o", str(tmp_path)]
     result = CliRunner().invoke(app, [*command, "-n", "1"])
     assert result.exit_code == 0, result.output
-    assert "zhao: 3 of 3 runs to do" in result.stderr
+    paper = load_paper("zhao")
+    cases = 3 + sum(len(sweep.values) for sweep in paper.sweep)
+    assert f"zhao: {cases} of {cases} runs to do" in result.stderr
     content = json.loads(result.stdout)
     assert (content["paper"], content["runs"], content["seed"]) == ("zhao", 1, 5)
-    assert len(content["tables"]) == 3
+    assert len(content["tables"]) == 3 + 1 + 2  # of what is printed, of times, of sweeps
     headings = [
         row
         for table in content["tables"]
-        for row in table["rows"]
-        if row["figure"] == "heading" and row["unit"] == "'"
+        for row in table.get("rows", [])
+        if row.get("figure") == "heading" and row["unit"] == "'"
     ]
     assert [row["printed"] for row in headings] == [19.475, 16.403, 24.817, 20.639, 20.06, 19.97]
     assert all(0 < row["measured"] < 60 for row in headings)
     assert all(row["interval"] is None for row in headings)
-    pictures = load_paper("zhao").pictures()
+    pictures = paper.pictures()
     assert len(content["pictures"]) == len(pictures) == len(set(content["pictures"]))
     assert all(Path(picture).is_file() for picture in content["pictures"])
     page = Path(content["report"]).read_text(encoding="utf-8")
-    assert page.count("<table>") == 3
-    assert page.count("data:image/png;base64,") == len(pictures)
+    assert page.count("<table>") == len(content["tables"])
+    assert page.count("data:image/png;base64,") == len(pictures) + len(paper.sweep)
 
     # What is done is kept, and is the same when it is read again.
     files = {path: path.stat().st_mtime_ns for path in tmp_path.glob("runs/*/*.nc")}
-    assert len(files) == 3
+    assert len(files) == cases
     again = CliRunner().invoke(app, [*command, "-n", "2"])
-    assert "zhao: 3 of 6 runs to do" in again.stderr
+    assert f"zhao: {cases} of {2 * cases} runs to do" in again.stderr
     assert {path: path.stat().st_mtime_ns for path in files} == files
     first = [row["smallest_and_largest_run"] for row in headings]
     both = [
         row["smallest_and_largest_run"]
         for table in json.loads(again.stdout)["tables"]
-        for row in table["rows"]
-        if row["figure"] == "heading" and row["unit"] == "'"
+        for row in table.get("rows", [])
+        if row.get("figure") == "heading" and row["unit"] == "'"
     ]
     assert all(alone[0] in pair for alone, pair in zip(first, both, strict=True))
     assert all(pair[0] < pair[1] for pair in both)
@@ -220,6 +223,49 @@ def test_another_setting_is_another_folder(tmp_path: Path, fmus: Fmus) -> None: 
     paper = load_paper("li")
     changed = paper.experiment[0].model_copy(update={"set": {"gnss.rate": 2.0}})
     other = paper.model_copy(update={"experiment": (changed, *paper.experiment[1:])})
-    one, two = ([plan.kept for plan in plans(each, [1], tmp_path)] for each in (paper, other))
+    one, two = ([plan.kept for plan in plans(each, [1], tmp_path).all] for each in (paper, other))
     assert one[0] != two[0]
     assert one[1:] == two[1:]
+
+
+def test_an_experiment_without_its_recording_is_left_out_and_named(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    fmus: Fmus,  # noqa: ARG001
+) -> None:
+    monkeypatch.setenv("TRUENORTH_RECORDINGS", str(tmp_path))
+    planned = plans(load_paper("zhou"), [1], tmp_path)
+    assert "recorded" not in [plan.experiment.name for plan in planned.experiments]
+    (sentence,) = planned.left_out
+    assert "parked_vehicle_rlg.csv.gz is not in the folder" in sentence
+
+
+def test_a_sweep_puts_each_value_where_it_belongs(tmp_path: Path, fmus: Fmus) -> None:  # noqa: ARG001
+    paper = load_paper("zhao")
+    planned = plans(paper, range(1, 3), tmp_path)
+    (sweep, first), _ = planned.sweeps
+    assert [len(plan.seeds) for plan in first] == [2] * len(sweep.values)
+    errors = [plan.scenario.initial_error.misalignment for plan in first]
+    np.testing.assert_allclose([np.rad2deg(error[2]) for error in errors], sweep.values)
+    np.testing.assert_allclose([np.rad2deg(error[:2]) for error in errors], [[10, 20]] * len(errors))
+    assert [planned.swept_by(plan) for plan in first] == [(sweep, value) for value in sweep.values]
+
+
+def test_runs_that_stay_within_the_limit_have_converged() -> None:
+    values = np.zeros((3, 4, COLUMNS))
+    values[:, :, HEADING] = [[5.0, 0.5, 0.5, 0.5], [5.0, 5.0, 0.5, 0.5], [5.0, 0.5, 0.5, 5.0]]
+    errors = Errors(np.arange(4.0), values, 1.0)
+    runs = Ensemble({"EKF": errors}, {"evaluation.start": 2.0, "evaluation.stop": 3.0})
+    sweep = load_paper("zhao").sweep[0].model_copy(update={"filters": ("EKF",), "values": (30.0,)})
+    (point,) = points(sweep, 30.0, runs)
+    assert (point.runs, point.settled) == (3, 2.0)
+    assert point.converged.value == pytest.approx(2 / 3)
+    swept = Swept(sweep, [point])
+    assert swept.cells()[1][:3] == ["30", "EKF", "2 of 3"]
+    json.dumps(swept.to_json(), allow_nan=False)
+
+
+def test_times_stand_beside_what_is_said_of_them() -> None:
+    experiment = load_paper("zhao").experiment[0]
+    timed = Timed(experiment, {"EKF": 2e-6, "UKF": 5e-6})
+    assert [row[2] for row in timed.cells()[1:]] == ["2.0 us", "5.0 us", "2.50"]
