@@ -126,7 +126,8 @@ def drawn(
             for label, colour, dashes in lines(labels):
                 errors = runs.filters[label].part(panel.columns, within)
                 x, y = _curve(errors, kind, panel.size, None if truth is None else truth[inside])
-                axes.plot(x, y, dashes, color=colour, lw=1.2, label=label)
+                style = "default" if over_time else "steps-post"
+                axes.plot(x, y, dashes, color=colour, lw=1.2, label=label, drawstyle=style)
             if kind == "rms":
                 axes.set_yscale("log")
             axes.set_ylabel(panel.label if over_time else "share of runs")

@@ -74,6 +74,15 @@ def test_the_committed_matrix_is_what_the_papers_say() -> None:
     assert DOCUMENT.read_text(encoding="utf-8") == document(), "run python tests/verification/matrix.py"
 
 
+@pytest.mark.parametrize("name", PAPERS)
+def test_every_paper_has_a_page(name: str) -> None:
+    page = (DOCUMENT.parent / "papers" / f"{name}.md").read_text(encoding="utf-8")
+    for what in ("Claim", "Condition", "What is reproduced", "What is not, and why", "Measured"):
+        assert f"**{what}" in page, what
+    assert f"truenorth paper {name} --list" in page
+    assert re.search(r"\d+ runs?\b.*\d{4}-\d\d-\d\d", page), "when it was measured, and with how many runs"
+
+
 def test_no_cell_is_empty() -> None:
     lines = [line for line in document().splitlines() if line.startswith("|")]
     assert len(lines) > 118  # equations that are numbered
