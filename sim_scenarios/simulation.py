@@ -50,6 +50,7 @@ NOT_IN_THE_BOUND = (
         f"imu.{sensor}.{error}"
         for sensor in ("gyro", "accelerometer")
         for error in (
+            "bias_random_walk",
             "markov_sigma",
             "wave_sigma",
             "scale_factor",

@@ -25,17 +25,23 @@ Matrix<Tight::kStates> Tight::jacobian(const State& /*x*/, const Interval& inter
     return F;
 }
 
+// Exact for the Markov process and the clock, whose drift reaches its bias within the interval.
 Matrix<Tight::kStates> Tight::process_noise(const State& /*x*/, const Interval& interval) const {
     const double dt = interval.dt;
-    const double sigma = noise.gyro_markov_sigma;
-    State variance = State::Zero();
+    const auto squared = [](double value) { return value * value; };
+    Matrix<kStates> Q = Matrix<kStates>::Zero();
+    auto variance = Q.diagonal();
     variance.head<kCount>() =
         navigation_error::random_walk_variance(noise.angle_random_walk, noise.velocity_random_walk, dt);
+    variance.segment<3>(kGyro).setConstant(dt * squared(noise.gyro_random_walk));
     variance.segment<3>(kGyroMarkov)
-        .setConstant(-sigma * sigma * std::expm1(-2.0 * dt / noise.gyro_markov_time));
-    variance(kClockBias) = dt * noise.clock_bias_random_walk * noise.clock_bias_random_walk;
-    variance(kClockDrift) = dt * noise.clock_drift_random_walk * noise.clock_drift_random_walk;
-    return variance.asDiagonal();
+        .setConstant(-squared(noise.gyro_markov_sigma) * std::expm1(-2.0 * dt / noise.gyro_markov_time));
+    variance.segment<3>(kAccelerometer).setConstant(dt * squared(noise.accelerometer_random_walk));
+    const double drift = squared(noise.clock_drift_random_walk);
+    variance(kClockBias) = dt * squared(noise.clock_bias_random_walk) + drift * dt * dt * dt / 3.0;
+    variance(kClockDrift) = drift * dt;
+    Q(kClockBias, kClockDrift) = Q(kClockDrift, kClockBias) = drift * dt * dt / 2.0;
+    return Q;
 }
 
 Tight::Mask Tight::present(const Fix& fix) {

@@ -1,8 +1,9 @@
 // Tightly coupled integration, 20 states: the model of Chen 2019, eqs. 1-3.
 //
 // Misalignment, velocity and position errors move by the equations of navigation_error.hpp, which Chen 2019
-// lists in the other order; gyro errors are a constant and a first-order Markov process, accelerometer errors
-// a constant, the receiver's clock a bias and a drift in units of range. Errors are computed (measured) minus
+// lists in the other order; gyro errors are a constant (or a random walk) and a first-order Markov process,
+// accelerometer errors a constant (or a random walk), the receiver's clock a bias b and a drift d in units of
+// range, b' = d + w_b, d' = w_d. Errors are computed (measured) minus
 // true. For satellite s with position r_s, velocity v_s in Earth-fixed axes, and the antenna at r, v:
 //
 //     pseudorange  |r_s - r| + clock bias
@@ -26,7 +27,7 @@ class Tight {
         kPhi = navigation_error::kPhi,            // misalignment [rad]
         kVelocity = navigation_error::kVelocity,  // [m/s]
         kPosition = navigation_error::kPosition,  // [m]
-        kGyro = 9,                                // eps_b, constant, body [rad/s]
+        kGyro = 9,                                // eps_b, body [rad/s]
         kGyroMarkov = 12,                         // eps_r, body [rad/s]
         kAccelerometer = 15,                      // nabla, body [m/s2]
         kClockBias = 18,                          // [m]
@@ -39,14 +40,16 @@ class Tight {
     using Mask = Eigen::Array<bool, kMeasurements, 1>;
 
     struct Noise {
-        double angle_random_walk = 0.0;        // gyro [rad/s^0.5]
-        double velocity_random_walk = 0.0;     // accelerometer [m/s^1.5]
-        double gyro_markov_sigma = 0.0;        // stationary [rad/s]
-        double gyro_markov_time = 3600.0;      // [s]
-        double clock_bias_random_walk = 0.0;   // [m/s^0.5]
-        double clock_drift_random_walk = 0.0;  // [m/s^1.5]
-        double pseudorange_sigma = 0.0;        // [m]
-        double range_rate_sigma = 0.0;         // [m/s]
+        double angle_random_walk = 0.0;          // gyro [rad/s^0.5]
+        double velocity_random_walk = 0.0;       // accelerometer [m/s^1.5]
+        double gyro_random_walk = 0.0;           // of eps_b [rad/s^1.5]; 0: constant
+        double gyro_markov_sigma = 0.0;          // of eps_r, stationary [rad/s]
+        double gyro_markov_time = 3600.0;        // [s]
+        double accelerometer_random_walk = 0.0;  // of nabla [m/s^2.5]; 0: constant
+        double clock_bias_random_walk = 0.0;     // [m/s^0.5]
+        double clock_drift_random_walk = 0.0;    // [m/s^1.5]
+        double pseudorange_sigma = 0.0;          // [m]
+        double range_rate_sigma = 0.0;           // [m/s]
     };
 
     // The trusted velocity is that of the mechanisation less the estimate of its error.
@@ -103,7 +106,7 @@ class Tight {
     // The navigation state corrected by the estimate.
     [[nodiscard]] static NavigationState corrected(const NavigationState& computed, const State& x);
 
-    // What the estimate becomes when `corrected` and the constant biases have been fed back (Markov process
+    // What the estimate becomes when `corrected` and the biases have been fed back (Markov process
     // and clock stay in the filter), and the Jacobian of the remaining errors with respect to the errors.
     [[nodiscard]] static State remaining(const State& x);
     [[nodiscard]] static Matrix<kStates> reset_jacobian(const State& x);

@@ -24,8 +24,10 @@ constexpr int kSatellites = 10;  // of twelve channels
 
 const Model kModel{.noise = {.angle_random_walk = 2e-6,
                              .velocity_random_walk = 3e-4,
+                             .gyro_random_walk = 1e-9,
                              .gyro_markov_sigma = 5e-7,
                              .gyro_markov_time = 3600.0,
+                             .accelerometer_random_walk = 1e-6,
                              .clock_bias_random_walk = 0.1,
                              .clock_drift_random_walk = 0.01,
                              .pseudorange_sigma = 3.0,
@@ -133,14 +135,62 @@ TEST(TightProcessNoise, GrowsWithTimeAndTheSquaredRandomWalks) {
     RandomValues random(3);
     auto interval = interval_of<Model>(random.interval());
     interval.dt = 0.25;
-    State Q = kModel.process_noise(State::Zero(), interval).diagonal();
-    Q.segment<3>(Model::kGyroMarkov).setZero();
+    const Matrix<20> Q = kModel.process_noise(State::Zero(), interval);
     State expected = State::Zero();
     expected.segment<3>(Model::kPhi).setConstant(1e-12);
     expected.segment<3>(Model::kVelocity).setConstant(2.25e-8);
-    expected(Model::kClockBias) = 2.5e-3;
-    expected(Model::kClockDrift) = 2.5e-5;
-    EXPECT_LT((Q - expected).cwiseQuotient(expected + State::Constant(1e-30)).norm(), 1e-12);
+    expected.segment<3>(Model::kGyro).setConstant(2.5e-19);
+    expected.segment<3>(Model::kGyroMarkov) = Q.diagonal().segment<3>(Model::kGyroMarkov);
+    expected.segment<3>(Model::kAccelerometer).setConstant(2.5e-13);
+    expected.tail<2>() = Q.diagonal().tail<2>();
+    EXPECT_LT((Q.diagonal() - expected).cwiseQuotient(expected + State::Constant(1e-30)).norm(), 1e-12);
+    Matrix<20> others = Q;
+    others.diagonal().setZero();
+    others.bottomRightCorner<2, 2>().setZero();
+    EXPECT_EQ(others, Matrix<20>::Zero());
+}
+
+// Van Loan 1978: of x' = F x + w, w white of the density G, both blocks of exp([-F G; 0 F^T] T).
+Matrix<2> van_loan(const Matrix<2>& F, const Matrix<2>& G, double T) {
+    Matrix<4> A = Matrix<4>::Zero();
+    A << -F * T, G * T, Matrix<2>::Zero(), F.transpose() * T;
+    Matrix<4> exponential = Matrix<4>::Identity();
+    Matrix<4> power = Matrix<4>::Identity();
+    for (int k = 1; k < 60; ++k) {
+        power = (power * A / k).eval();
+        exponential += power;
+    }
+    return exponential.bottomRightCorner<2, 2>().transpose() * exponential.topRightCorner<2, 2>();
+}
+
+TEST(TightProcessNoise, OfTheClockIsThatOfVanLoan) {
+    RandomValues random(10);
+    Matrix<2> F = Matrix<2>::Zero();
+    F(0, 1) = 1.0;
+    const Matrix<2> G = Eigen::Vector2d(0.1 * 0.1, 0.01 * 0.01).asDiagonal();
+    for (const double dt : {0.01, 1.0, 10.0}) {
+        auto interval = interval_of<Model>(random.interval());
+        interval.dt = dt;
+        const Matrix<2> Q = kModel.process_noise(State::Zero(), interval).bottomRightCorner<2, 2>();
+        EXPECT_LT((Q - van_loan(F, G, dt)).cwiseQuotient(van_loan(F, G, dt)).norm(), 1e-12) << dt;
+    }
+}
+
+TEST(TightProcessNoise, OfTheClockDoesNotDependOnTheInterval) {
+    // A hundred seconds at once, or as a hundred predictions: the same covariance of bias and drift.
+    RandomValues random(11);
+    const auto after = [&](int steps) {
+        auto interval = interval_of<Model>(random.interval());
+        interval.dt = 100.0 / steps;
+        Matrix<20> P = Matrix<20>::Zero();
+        for (int k = 0; k < steps; ++k) {
+            const Matrix<20> Phi = kModel.transition(State::Zero(), interval);
+            P = Phi * P * Phi.transpose() + kModel.process_noise(State::Zero(), interval);
+        }
+        return Matrix<2>(P.bottomRightCorner<2, 2>());
+    };
+    EXPECT_LT(after(100).cwiseQuotient(after(1)).cwiseAbs().maxCoeff(), 1.0 + 1e-12);
+    EXPECT_GT(after(100).cwiseQuotient(after(1)).cwiseAbs().minCoeff(), 1.0 - 1e-12);
 }
 
 TEST(TightMeasurement, OfTheTrueErrorsHasNoResidual) {
