@@ -16,8 +16,8 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.papers import Paper, Printed, load_paper, shipped
 from sim_scenarios.papers.claims import Swept, Timed, points
-from sim_scenarios.papers.page import noise_scale
-from sim_scenarios.papers.reproduction import beside, plans
+from sim_scenarios.papers.page import draw, noise_scale
+from sim_scenarios.papers.reproduction import Result, beside, plans
 from sim_scenarios.plots.ensemble import drawn
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.units import ARCMIN
@@ -173,6 +173,28 @@ def test_the_list_names_every_figure(name: str) -> None:
     rows = json.loads(result.stdout)["figures"]
     assert [row["number"] for row in rows] == [figure.title for figure in load_paper(name).figure]
     assert all(row["in_the_paper"] and row["here"] for row in rows)
+
+
+@pytest.mark.parametrize("name", list(shipped()))
+def test_every_picture_is_drawn(name: str, tmp_path: Path, fmus: Fmus) -> None:
+    """Of errors that are made up: that the curves of each figure exist, and lie in a file of their own."""
+    paper = load_paper(name)
+    pictures = []
+    for experiment in paper.experiment:
+        scenario = load_scenario(experiment.scenario, fmus, settings=experiment.set)
+        time = np.arange(0.0, scenario.duration + 5.0, 10.0)
+        values = np.random.default_rng(1).standard_normal((2, len(time), COLUMNS))
+        runs = Ensemble(
+            {label: Errors(time, values, 1.0) for label in experiment.labels()},
+            {"evaluation.start": scenario.evaluation.start, "evaluation.stop": scenario.evaluation.stop},
+            np.ones((len(time), 3)),
+        )
+        result = Result(experiment, scenario, runs, [])
+        pictures += draw(paper, result, tmp_path)
+    assert len(pictures) == len(paper.pictures())
+    assert len({drawn.file for drawn in pictures}) == len(pictures)
+    for picture in pictures:
+        assert (tmp_path / picture.file).read_bytes()[:4] == b"\x89PNG"
 
 
 @pytest.mark.usefixtures("fmus")
