@@ -24,14 +24,21 @@ Call = Callable[..., Any]
 
 
 class Clock:
-    """Time spent in parts of a run [s]."""
+    """Time spent in parts of a run [s].
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    now : callable
+        The clock that is read.
+    """
+
+    def __init__(self, now: Callable[[], float] = time.perf_counter) -> None:
         self.spent: defaultdict[str, float] = defaultdict(float)
+        self._now = now
 
     def timed(self, part: str, function: Call) -> Call:
         """The function, with its time added to a part."""
-        spent, now = self.spent, time.perf_counter
+        spent, now = self.spent, self._now
 
         def call(*arguments: Any) -> Any:
             start = now()
@@ -72,14 +79,14 @@ def shares(name: str, fmus: Fmus) -> dict[str, float]:
 
 
 def filter_steps(scenario: Scenario, fmus: Fmus, repetitions: int = 3) -> dict[str, float]:
-    """Seconds that a step of each filter of a comparison takes on the same signals, the median of some runs.
+    """Seconds of a core that a step of each filter of a comparison takes, the median of some runs.
 
-    Fixes are in it as often as they come.
+    Fixes are in it as often as they come. What else the machine does meanwhile is not.
     """
     steps = round(scenario.duration / scenario.communication_step)
     found = defaultdict(list)
     for _ in range(repetitions):
-        clock = Clock()
+        clock = Clock(time.thread_time)
         filters = scenario.filters()
         with ExitStack() as stack:
             source, sinks = simulation.connect(scenario, fmus, filters, stack)

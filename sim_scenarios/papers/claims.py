@@ -113,7 +113,7 @@ class Timed:
     @property
     def title(self) -> str:
         """Of the table."""
-        return f"Time of a step, {self.experiment.scenario}, on this machine as it was just now"
+        return f"Time of one core that a step takes, {self.experiment.scenario}, on this machine"
 
     def cells(self) -> list[list[str]]:
         """The table with its heading."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Drawn
 from numpy.typing import NDArray
 
@@ -130,12 +131,23 @@ def drawn(
                 axes.plot(x, y, dashes, color=colour, lw=1.2, label=label, drawstyle=style)
             if kind == "rms":
                 axes.set_yscale("log")
+            if kind == "run":
+                _spread(axes)
             axes.set_ylabel(panel.label if over_time else "share of runs")
             axes.set_xlabel("" if over_time else f"RMSE, {panel.label}")
         if over_time:
             rows[-1].set_xlabel("time [s]")
         rows[0].legend(loc="best", ncols=3)
         return picture
+
+
+def _spread(axes: Axes) -> None:
+    """Let a large error at the start not hide what is left of it: linear near zero, logarithmic beyond."""
+    curves = [np.abs(line.get_ydata()) for line in axes.get_lines()]
+    usual = max(float(np.median(curve[len(curve) // 2 :])) for curve in curves)
+    if usual > 0 and max(float(np.max(curve)) for curve in curves) > 30 * usual:
+        axes.set_yscale("symlog", linthresh=10 ** np.ceil(np.log10(usual)))
+        axes.axhline(0.0, color=INK, lw=0.6)
 
 
 def converged(axis: str, values: Sequence[float], shares: Mapping[str, Sequence[Estimate]]) -> Drawn:
