@@ -88,6 +88,7 @@ def reproduce_paper(
                 swept[sweep.name] += points(sweep, value, measured)
         sections += [page.section_of_sweep(Swept(s, swept[s.name]), folder) for s, _ in planned.sweeps]
         report = page.write(paper, sections, pictures, planned.left_out, seeds, folder)
+        tables_file = page.write_tables(paper, sections, planned.left_out, seeds, folder)
     tables = [table for section in sections for table in section.tables]
     if as_json:
         print_json(
@@ -110,6 +111,7 @@ def reproduce_paper(
             "Runs": f"{len(seeds)}, seeds {seeds[0]} to {seeds[-1]}",
             "Pictures": f"{len(pictures)}, in {folder}",
             "Report": str(report),
+            "Tables": str(tables_file),
         }
     )
     for sentence in (*planned.left_out, paper.verdict):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -141,6 +142,31 @@ def write(
     )
     path.write_text(page, encoding="utf-8")
     return path
+
+
+def write_tables(
+    paper: Paper,
+    sections: Sequence[Section],
+    left_out: Sequence[str],
+    seeds: Sequence[int],
+    folder: Path,
+) -> Path:
+    """Write all tables as Markdown, for a page of the documentation; its path."""
+    path = folder / "measured.md"
+    command = f"truenorth paper {paper.name} -n {len(seeds)} --seed {seeds[0]}"
+    lines = [
+        f"**Measured** {datetime.now(timezone.utc):%Y-%m-%d} with `{command}`. Intervals are of 95 %.",
+        *left_out,
+    ]
+    for table in (table for section in sections for table in section.tables):
+        lines += ["", table.title, "", *_markdown(table.cells())]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def _markdown(cells: Sequence[Sequence[str]]) -> list[str]:
+    heading, *rows = cells
+    return [f"| {' | '.join(row)} |" for row in (heading, ["---"] * len(heading), *rows)]
 
 
 def _slug(title: str) -> str:

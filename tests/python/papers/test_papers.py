@@ -224,6 +224,11 @@ def test_the_command(tmp_path: Path) -> None:
     assert page.count("<table>") == len(content["tables"])
     assert page.count("data:image/png;base64,") == len(pictures) + len(paper.sweep)
 
+    tables = (tmp_path / "measured.md").read_text(encoding="utf-8")
+    assert "`truenorth paper zhao -n 1 --seed 5`" in tables
+    assert all(table["title"] in tables for table in content["tables"])
+    assert tables.count("| --- |") == len(content["tables"])
+
     # What is done is kept, and is the same when it is read again.
     files = {path: path.stat().st_mtime_ns for path in tmp_path.glob("runs/*/*.nc")}
     assert len(files) == cases
