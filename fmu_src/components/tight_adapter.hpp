@@ -31,6 +31,9 @@ struct Adapter<Tight> {
 
     template <class Parameters>
     static void configure(Tight& model, const Parameters& p) {
+        model.propagation = p.propagation == decltype(p.propagation)::nonlinear
+                                ? Tight::Propagation::nonlinear
+                                : Tight::Propagation::linear;
         model.noise = {.angle_random_walk = p.process.angle_random_walk,
                        .velocity_random_walk = p.process.velocity_random_walk,
                        .gyro_random_walk = p.process.gyro_bias_random_walk,

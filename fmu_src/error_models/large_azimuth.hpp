@@ -80,6 +80,12 @@ class LargeAzimuth {
         propagate_vectors(*this, x, deviations, interval);
     }
 
+    template <int Count>
+    void propagate(State& x, Points<kStates, Count>& deviations, const Points<kStates, Count>& noise,
+                   const Interval& interval) const {
+        propagate_vectors(*this, x, deviations, noise, interval);
+    }
+
     [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const {
         return vector_transition(*this, x, interval);
     }

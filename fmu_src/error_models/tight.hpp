@@ -12,6 +12,16 @@
 // the true r and v being those of the mechanisation less their errors. Lines of sight are resolved in ENU at
 // the mechanised antenna. The distance is taken in Earth-fixed axes at the time of the fix: a receiver's
 // satellite positions must be corrected for the signal's travel time beforehand.
+//
+// Chen 2019, eq. 2, has a nonlinear f, which it does not print. `Propagation::nonlinear` is that of the
+// mechanisation, without approximation for errors of any size: with C = C_n^{n'} = exp(-phi x), primes on
+// what is computed, and what is true at the position and velocity that the errors leave,
+//
+//     phi' = J_r(phi)^-1 (w_in' - C w_in - C_b^{n'} (eps_b + eps_r))
+//     dv'  = f' - C^T (f' - C_b^{n'} nabla) + g' - g - (2 w_ie' + w_en') x v' + (2 w_ie + w_en) x v
+//     dp'  = dv - w_en x dp + (T dp) x v
+//
+// `Propagation::linear` is its first order, F, which is also the Jacobian of the linearised predictor.
 #pragma once
 
 #include <array>
@@ -52,9 +62,15 @@ class Tight {
         double range_rate_sigma = 0.0;           // [m/s]
     };
 
+    // How states and deviations move between fixes.
+    enum class Propagation { linear, nonlinear };
+
     // The trusted velocity is that of the mechanisation less the estimate of its error.
     struct Interval : NavigationInterval {
         Interval(const IntervalAverage& average, const earth::Position& position, const State& x);
+
+        earth::Position computed_position;
+        Eigen::Vector3d computed_velocity;  // [m/s]
     };
 
     struct Channel {
@@ -73,6 +89,7 @@ class Tight {
         Antenna antenna;
     };
 
+    Propagation propagation = Propagation::linear;
     Discretisation discretisation = Discretisation::runge_kutta;
     Noise noise{};
 
@@ -80,7 +97,23 @@ class Tight {
 
     template <int Count>
     void propagate(State& x, Points<kStates, Count>& deviations, const Interval& interval) const {
-        propagate_linearly(*this, x, deviations, interval);
+        if (propagation == Propagation::linear) {
+            propagate_linearly(*this, x, deviations, interval);
+        } else {
+            propagate_vectors(*this, x, deviations, interval);
+        }
+    }
+
+    // Noise adds to what moves linearly.
+    template <int Count>
+    void propagate(State& x, Points<kStates, Count>& deviations, const Points<kStates, Count>& noise,
+                   const Interval& interval) const {
+        if (propagation == Propagation::linear) {
+            propagate_linearly(*this, x, deviations, interval);
+            deviations += noise;
+        } else {
+            propagate_vectors(*this, x, deviations, noise, interval);
+        }
     }
 
     [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const {
@@ -100,7 +133,17 @@ class Tight {
     template <class Set>
     [[nodiscard]] static auto predicted(const State& x, const Set& deviations, const Fix& fix);
 
-    // F of x' = F x.
+    // The nonlinear dx/dt of every column of x.
+    template <class Set>
+    [[nodiscard]] Set rate(const Set& x, const Interval& interval) const {
+        Set rate;
+        for (int i = 0; i < Set::ColsAtCompileTime; ++i) {
+            rate.col(i) = rate_of(x.col(i), interval);
+        }
+        return rate;
+    }
+
+    // F of the linear x' = F x.
     [[nodiscard]] Matrix<kStates> jacobian(const State& x, const Interval& interval) const;
 
     // The navigation state corrected by the estimate.
@@ -112,6 +155,8 @@ class Tight {
     [[nodiscard]] static Matrix<kStates> reset_jacobian(const State& x);
 
   private:
+    [[nodiscard]] State rate_of(const State& x, const Interval& interval) const;
+
     // From the antenna to a satellite, ENU at the mechanised antenna.
     struct Sight {
         Eigen::Vector3d line;      // [m]
