@@ -6,7 +6,7 @@
 
 namespace truenorth {
 
-static_assert(ErrorModel<EulerPlatform>);
+static_assert(ErrorModel<EulerPlatform> && NoiseInside<EulerPlatform>);
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;

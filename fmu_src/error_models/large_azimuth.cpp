@@ -4,7 +4,7 @@
 
 namespace truenorth {
 
-static_assert(ErrorModel<LargeAzimuth>);
+static_assert(ErrorModel<LargeAzimuth> && NoiseInside<LargeAzimuth>);
 
 LargeAzimuth::Interval::Interval(const IntervalAverage& average, const earth::Position& position,
                                  const State& x)

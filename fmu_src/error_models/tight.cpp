@@ -6,7 +6,7 @@
 
 namespace truenorth {
 
-static_assert(ErrorModel<Tight>);
+static_assert(ErrorModel<Tight> && NoiseInside<Tight>);
 
 using Eigen::Vector3d;
 using navigation_error::kCount;
