@@ -22,6 +22,7 @@ up,
 from __future__ import annotations
 
 import json
+import os
 import zlib
 from collections.abc import Mapping
 from contextlib import closing
@@ -49,6 +50,8 @@ GNSS_TIME = "gnss_time"
 COLUMNS = ["time", *IMU_COLUMNS, *GNSS_VELOCITY, *GNSS_POSITION, GNSS_TIME]
 MOST_SAMPLES = 2**31 - 1  # fmi2Integer
 RECORDING_PERIOD = 0.1  # s
+RECORDINGS = "TRUENORTH_RECORDINGS"
+"""Environment variable that names the folder of recordings that do not come with the package."""
 
 
 @dataclass(frozen=True)
@@ -138,6 +141,12 @@ def replay(
     return data
 
 
+def recording_named(name: str) -> Path | None:
+    """A recording that does not come with the package, if it is there."""
+    path = Path(os.environ.get(RECORDINGS, "../shared/data")) / name
+    return path if path.is_file() else None
+
+
 def read_recording(path: Path) -> pd.DataFrame:
     """Recording of a file, checked."""
     try:
@@ -186,6 +195,36 @@ def _check_increments(table: pd.DataFrame, path: Path) -> None:
         f"{path}: |delta_velocity| / dt is {mean / period:.3g} m/s2 in the mean, but an IMU on Earth feels "
         f"about 9.8 m/s2; delta_velocity must be an increment in m/s over {period:g} s"
     )
+
+
+def residuals(path: Path, period: float, span: float) -> dict[str, Array]:
+    """What the increments of a recording at rest have besides their mean over a span of time.
+
+    Of a vehicle that stands it is the noise of the sensors and what shakes them, without biases, the Earth
+    and what changes more slowly than over the span.
+
+    Parameters
+    ----------
+    path : Path
+        As for `replay`.
+    period : float
+        Of the samples [s]; a recording with another one is refused.
+    span : float
+        [s]
+
+    Returns
+    -------
+    dict of str to ndarray, shape (samples,)
+        By the names of the IMU's signals.
+    """
+    table = read_recording(path)
+    found = float(np.median(np.diff(table["time"])))
+    if abs(found - period) > 1e-3 * period:
+        raise InputError(f"{path}: a sample every {found:g} s, where {period:g} s are needed")
+    increments = table[IMU_COLUMNS]
+    rest = increments - increments.rolling(round(span / period), center=True, min_periods=1).mean()
+    names = [f"imu.delta_{kind}[{i}]" for kind in ("angle", "velocity") for i in (1, 2, 3)]
+    return {name: rest[column].to_numpy() for name, column in zip(names, IMU_COLUMNS, strict=True)}
 
 
 def level(force: Array) -> tuple[float, float]:

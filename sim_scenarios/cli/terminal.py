@@ -86,6 +86,11 @@ def say_messages(data: xr.Dataset, most: int = 5) -> None:
         standard_error.print(f"... and {len(messages) - most} more messages, in the report", style="dim")
 
 
+def say(sentence: str) -> None:
+    """What is about to happen, on standard error."""
+    print(sentence, file=sys.stderr, flush=True)
+
+
 def print_verdict(sentence: str, good: bool) -> None:
     """A verdict, in its colour."""
     console().print(sentence, style=f"bold {'green' if good else 'red'}", highlight=False, markup=False)
