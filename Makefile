@@ -7,6 +7,9 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 JOBS   ?= 2
+# A file of versions for the environment, such as requirements.lock; without one, the newest that pyproject.toml allows.
+LOCK   ?=
+PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(if $(LOCK),--constraint $(LOCK))
 
 # There are also macos-x86_64 and macos-aarch64.
 PLATFORMS ?= linux64 linux-aarch64 win64
@@ -40,9 +43,8 @@ $(READY): pyproject.toml
 	@echo "== Environment: $(VENV)"
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "TrueNorth needs Python >= 3.10, found " + sys.version)'
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check 'scikit-build-core>=0.10'
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation \
-	    --config-settings=wheel.cmake=false --editable '.[dev]'
+	@$(PIP) 'scikit-build-core>=0.10'
+	@$(PIP) --no-build-isolation --config-settings=wheel.cmake=false --editable '.[dev]'
 	@touch $@
 
 fmus: $(READY)  ## Build the FMUs into build/fmus

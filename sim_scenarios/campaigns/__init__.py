@@ -66,13 +66,17 @@ class Campaign:
         there = store.is_there(self.folder, identity)
         damaged = store.discard_damaged(self.path) if there else []
         if not there or any(store.unfinished(self.path)):
-            with execution.workers(workers, scheduler, insecure) as working:
-                if not there:
-                    bounds = execution.bounds(working, self.cases, self.fmus)
-                    store.create(self.folder, self.plan, self.cases, identity, bounds, self.fmus.plant)
-                effort = execution.execute(
-                    working, self.path, self.plan, self.cases, self.master, dict(self.versions), report
-                )
+            try:
+                with execution.workers(workers, scheduler, insecure) as working:
+                    if not there:
+                        bounds = execution.bounds(working, self.cases, self.fmus)
+                        store.create(self.folder, self.plan, self.cases, identity, bounds, self.fmus.plant)
+                    effort = execution.execute(
+                        working, self.path, self.plan, self.cases, self.master, dict(self.versions), report
+                    )
+            finally:
+                if scheduler is None:  # its workers have ended
+                    store.sweep(self.path)
         store.sweep(self.path)
         return replace(effort, damaged=tuple(damaged))
 

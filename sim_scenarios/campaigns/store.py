@@ -163,7 +163,7 @@ def _chunk(name: str, index: tuple[int, ...]) -> str:
 
 
 def sweep(path: Path) -> None:
-    """Remove the chunks that killed workers had begun to write. Only when no run is missing any more."""
+    """Remove the chunks that killed workers had begun to write. Only when nobody writes any more."""
     for partial in path.rglob("*.partial"):
         partial.unlink(missing_ok=True)
 

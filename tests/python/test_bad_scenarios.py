@@ -113,7 +113,7 @@ def test_what_is_no_number_is_refused(fmus: Fmus, name: str, value: object) -> N
     ("settings", "words"),
     [
         ({"duration": 1e15}, "duration = 1e+15 s: must be at most 100000000 times the communication_step"),
-        ({"communication_step": 1e-12}, "must be at most 100000000 times the communication_step, 1e-12 s"),
+        ({"communication_step": 1e-12}, "must be at most 100000000 times the communication_step of 1e-12 s"),
         ({"recording_period": 1e9}, "must be at least one recording_period"),
         ({"recording_period": 0.0}, "recording_period = 0 s: must be greater than 0"),
         ({"recording_period": -1.0}, "must be greater than 0"),

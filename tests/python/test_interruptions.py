@@ -33,6 +33,7 @@ ALL = {signal.SIGTERM: 143, signal.SIGINT: 130, signal.SIGKILL: -signal.SIGKILL}
 ENOUGH: tuple[int, ...] = (0, 1, 2)  # exit codes of a command that came to its end
 
 ATTEMPTS = [0, *(pytest.param(i, marks=pytest.mark.slow) for i in range(1, 10))]
+FREE = [20_000, *(pytest.param(1 << k, marks=pytest.mark.slow) for k in range(12, 22))]  # bytes
 full_form = pytest.mark.parametrize("attempt", ATTEMPTS)
 every_command = pytest.mark.parametrize(
     "command", ["run", *(pytest.param(c, marks=pytest.mark.slow) for c in ("export", "compare", "campaign"))]
@@ -158,9 +159,7 @@ def disk(tmp_path: Path) -> Iterator[Path]:
 
 
 @every_command
-@pytest.mark.parametrize(
-    "free", [20_000, *(pytest.param(1 << k, marks=pytest.mark.slow) for k in range(12, 22))]
-)
+@pytest.mark.parametrize("free", FREE)
 def test_a_full_disk_leaves_nothing_half(
     fmus: Fmus,  # noqa: ARG001
     disk: Path,

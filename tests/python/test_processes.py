@@ -33,9 +33,10 @@ OWNER = """
 
     if __name__ == "__main__":
         with processes(2) as pool:
-            pool.submit(os.getpid).result()
+            pool.submit(abs, 1).result()
+            tasks = [pool.submit(time.sleep, 1000) for _ in range(2)]
             print(os.getpid(), *pool._processes, flush=True)
-            pool.submit(time.sleep, 1000).result()
+            tasks[0].result()
 """
 
 linux = pytest.mark.skipif(not PROC.is_dir(), reason="needs /proc to see sockets and processes")
