@@ -1,12 +1,15 @@
 # TrueNorth: every command of the project. `make help` lists them.
 .DEFAULT_GOAL := help
-.PHONY: help run test fmus fmus-all native bench bands lint format test-cpp test-python clean
+.PHONY: help run test fmus fmus-all native bench bands lint format test-cpp test-python sanitize fuzz clean
 
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 JOBS   ?= 2
+# A file of versions for the environment, such as requirements.lock; without one, the newest that pyproject.toml allows.
+LOCK   ?=
+PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(if $(LOCK),--constraint $(LOCK))
 
 # There are also macos-x86_64 and macos-aarch64.
 PLATFORMS ?= linux64 linux-aarch64 win64
@@ -21,7 +24,17 @@ CPP_FILES    = $(CPP_SOURCES) $(shell git ls-files 'fmu_src/*.hpp' 'tests/cpp/*.
 help:  ## List the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-run: fmus  ## Align the swaying ship, print the verdict and where the report lies
+# $(call configure,<preset>,<more variables>): says nothing unless it fails.
+define configure
+	@mkdir -p build
+	@cmake --preset $(1) -DPython_EXECUTABLE=$(CURDIR)/$(BIN)/python $(2) > build/configure.log 2>&1 \
+	    || { cat build/configure.log; exit 1; }
+endef
+
+run: $(READY)  ## Align the swaying ship, print the verdict and where the report lies
+	@echo "== Building its FMUs"
+	$(call configure,native)
+	@cmake --build --preset native --target TruthPlant_fmu AlignmentFilter_fmu --parallel $(JOBS)
 	@truenorth run swaying_ship --output build/reports/swaying_ship
 
 test: lint test-cpp test-python  ## All set-up, then every check: lint, types, C++, Python, FMUs
@@ -30,16 +43,13 @@ $(READY): pyproject.toml
 	@echo "== Environment: $(VENV)"
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "TrueNorth needs Python >= 3.10, found " + sys.version)'
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check 'scikit-build-core>=0.10'
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation \
-	    --config-settings=wheel.cmake=false --editable '.[dev]'
+	@$(PIP) 'scikit-build-core>=0.10'
+	@$(PIP) --no-build-isolation --config-settings=wheel.cmake=false --editable '.[dev]'
 	@touch $@
 
 fmus: $(READY)  ## Build the FMUs into build/fmus
 	@echo "== Building the FMUs"
-	@mkdir -p build
-	@cmake --preset native -DPython_EXECUTABLE=$(CURDIR)/$(BIN)/python > build/configure.log 2>&1 \
-	    || { cat build/configure.log; exit 1; }
+	$(call configure,native)
 	@cmake --build --preset native --target fmus --parallel $(JOBS)
 
 fmus-all: $(READY)  ## Build the FMUs for Linux (x86-64, aarch64) and Windows, all in one, into build/fmus-all (long)
@@ -54,6 +64,7 @@ fmus-all: $(READY)  ## Build the FMUs for Linux (x86-64, aarch64) and Windows, a
 	        $(PLATFORMS:%=$(CURDIR)/build/platforms/%/fmus/$$fmu) || exit 1; done
 
 native: fmus  ## Build everything: FMUs, C++ tests and benchmark
+	$(call configure,native,-DTRUENORTH_TESTS=ON)
 	@cmake --build --preset native --parallel $(JOBS)
 
 lint: fmus  ## Formatting, clang-tidy, ruff, mypy
@@ -80,8 +91,28 @@ test-python: fmus  ## Python and FMU tests
 	@echo "== Python and FMU tests"
 	@python -m pytest -n $(JOBS)
 
-bench: native  ## Time per filter step, per fmi2DoStep, and of a whole run
+SANITIZED = $(SEED:%=-DFUZZ_SEED=%) $(CALLS:%=-DFUZZ_CALLS=%) $(STATES:%=-DFUZZ_STATES=%)
+
+sanitize: $(READY)  ## C++ tests under the address, undefined-behaviour and thread sanitizers (long)
+	$(call configure,sanitized,$(SANITIZED))
+	@cmake --build --preset sanitized --parallel $(JOBS)
+	@ctest --preset sanitized --parallel $(JOBS)
+	$(call configure,tsan)
+	@cmake --build --preset tsan --parallel $(JOBS)
+	@ctest --preset tsan
+
+# What is told on the command line comes first: make fuzz CALLS=1000000 STATES=100000 SEED=7
+fuzz: CALLS ?= 500000
+fuzz: STATES ?= 20000
+fuzz: SEED ?= 1
+fuzz: $(READY)  ## Random calls and damaged states under the sanitizers (minutes; CALLS, STATES, SEED)
+	$(call configure,sanitized,$(SANITIZED))
+	@cmake --build --preset sanitized --target fuzz --parallel $(JOBS)
+	@ctest --preset sanitized --label-regex fuzz --verbose --parallel $(JOBS)
+
+bench: native  ## Time per filter step, per FMI call, and of a whole run
 	@build/native/tests/cpp/bench_filter
+	@build/native/tests/cpp/fmi/bench_fmi
 	@python -m sim_scenarios.benchmark
 
 bands: fmus  ## Monte-Carlo check of the accuracy bands (ten minutes; SEEDS=10 for fewer runs)

@@ -169,6 +169,24 @@ class Variable(_Strict):
         return self.unit if isinstance(self.unit, list) else [self.unit] * len(self.indices)
 
     @property
+    def _limit_of_units(self) -> float | None:
+        """Size that a Real which the component reads once and believes may have, by its units."""
+        believed = self.causality in ("parameter", "tunable") or self.at_start
+        return min(UNITS[unit].most for unit in self.units) if self.type == "Real" and believed else None
+
+    @property
+    def largest(self) -> int | float | None:
+        """The inclusive upper limit: the declared one, or that of the units."""
+        return self._limit_of_units if self.max is None else self.max
+
+    @property
+    def smallest(self) -> int | float | None:
+        """The inclusive lower limit likewise; none when there is an exclusive one."""
+        if self.min is not None or self.above is not None:
+            return self.min
+        return None if self._limit_of_units is None else -self._limit_of_units
+
+    @property
     def unit_text(self) -> str:
         """The unit for people: `m`, or `m (1 to 12), m/s (13 to 24)`."""
         if not isinstance(self.unit, list):

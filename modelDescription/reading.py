@@ -168,9 +168,9 @@ def _start_problems(variable: Variable, declaration: Declaration) -> Iterator[st
             yield f"{value} must be a finite number"
         elif variable.type == "Integer" and abs(value) > INT32:
             yield f"{value} must fit into 32 bits"
-        elif variable.min is not None and value < variable.min:
-            yield f"{value} must be at least {variable.min}"
+        elif variable.smallest is not None and value < variable.smallest:
+            yield f"{value} must be at least {variable.smallest}"
         elif variable.above is not None and value <= variable.above:
             yield f"{value} must be greater than {variable.above}"
-        elif variable.max is not None and value > variable.max:
-            yield f"{value} must be at most {variable.max}"
+        elif variable.largest is not None and value > variable.largest:
+            yield f"{value} must be at most {variable.largest}"

@@ -18,20 +18,27 @@ from sim_scenarios import simulation
 from sim_scenarios.cosimulation import FmuSource
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.scenario import load_scenario
+from sim_scenarios.scenario import Scenario, load_scenario
 
 Call = Callable[..., Any]
 
 
 class Clock:
-    """Time spent in parts of a run [s]."""
+    """Time spent in parts of a run [s].
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    now : callable
+        The clock that is read.
+    """
+
+    def __init__(self, now: Callable[[], float] = time.perf_counter) -> None:
         self.spent: defaultdict[str, float] = defaultdict(float)
+        self._now = now
 
     def timed(self, part: str, function: Call) -> Call:
         """The function, with its time added to a part."""
-        spent, now = self.spent, time.perf_counter
+        spent, now = self.spent, self._now
 
         def call(*arguments: Any) -> Any:
             start = now()
@@ -69,6 +76,26 @@ def shares(name: str, fmus: Fmus) -> dict[str, float]:
     parts = dict(clock.spent)
     parts["loop and recording"] = 2 * parts.pop("all") - sum(clock.spent.values())
     return parts
+
+
+def filter_steps(scenario: Scenario, fmus: Fmus, repetitions: int = 3) -> dict[str, float]:
+    """Seconds of a core that a step of each filter of a comparison takes, the median of some runs.
+
+    Fixes are in it as often as they come. What else the machine does meanwhile is not.
+    """
+    steps = round(scenario.duration / scenario.communication_step)
+    found = defaultdict(list)
+    for _ in range(repetitions):
+        clock = Clock(time.thread_time)
+        filters = scenario.filters()
+        with ExitStack() as stack:
+            source, sinks = simulation.connect(scenario, fmus, filters, stack)
+            for label, sink in zip(filters, sinks, strict=True):
+                sink.instance.step = clock.timed(label, sink.instance.step)  # type: ignore[method-assign]
+            simulation.record(scenario, fmus, source, sinks)
+        for label, seconds in clock.spent.items():
+            found[label].append(seconds / steps)
+    return {label: median(times) for label, times in found.items()}
 
 
 def main() -> None:

@@ -19,15 +19,17 @@ from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
-from zipfile import ZipFile
+from zipfile import ZIP_STORED, ZipFile
 
 import numpy as np
 from fmu_manipulation_toolbox.container import FMUContainer
 from numpy.typing import NDArray
 
+from sim_scenarios.archives import write_archive
 from sim_scenarios.cosimulation import Recorded, Table, connected
 from sim_scenarios.errors import SimulationError
 from sim_scenarios.fmus import Fmu, Number
+from sim_scenarios.folders import temporary
 from sim_scenarios.instance import Instance, Port
 
 SOURCE: Final = "plant."
@@ -71,7 +73,7 @@ class Container:
         self._sinks = [f"filter{i}." for i in range(filters)]
         self._truth = [name for name in plant.outputs() if name.startswith("truth.")]
         self._outputs, self._fix_outputs = list(outputs), list(fix_outputs)
-        self._folder = TemporaryDirectory(prefix="container-")
+        self._folder = TemporaryDirectory(prefix="container-", dir=temporary())
         self._fmu = Fmu(self._built(plant, filter_fmu, step))
 
     def record(
@@ -162,10 +164,10 @@ class Container:
 
 def _copy_what_runs(fmu: Path, copy: Path) -> None:
     """Copy an FMU without sources and documentation: hundreds of files, once for every filter."""
-    with ZipFile(fmu) as whole, ZipFile(copy, "w") as needed:
-        for member in whole.infolist():
-            if member.filename.startswith(_NEEDED):
-                needed.writestr(member.filename, whole.read(member))
+    with ZipFile(fmu) as whole:
+        names = [member.filename for member in whole.infolist() if not member.is_dir()]
+        needed = {name: whole.read(name) for name in names if name.startswith(_NEEDED)}
+    write_archive(copy, needed, ZIP_STORED)
 
 
 def _settable(fmu: Fmu) -> Iterator[str]:

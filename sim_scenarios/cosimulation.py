@@ -112,6 +112,34 @@ class FmuSource:
         self.port.read()
 
 
+class DisturbedSource:
+    """Signals of an FMU with something added to some of them at every step.
+
+    Parameters
+    ----------
+    source : FmuSource
+        Whose signals they are.
+    added : mapping of str to ndarray, shape (n,)
+        What is added after each step, by scalar name; begins anew after n steps.
+    """
+
+    alignment = None
+
+    def __init__(self, source: FmuSource, added: Mapping[str, Array]) -> None:
+        self.instance, self.signals = source.instance, source.signals
+        self._source = source
+        places = {name: source.signals.places[name] for name in added}
+        self._added = [(source.signals.buffers[base], i, added[name]) for name, (base, i) in places.items()]
+        self._next = 0
+
+    def advance(self, time: float, step: float) -> None:
+        """Step the FMU, read its outputs and add."""
+        self._source.advance(time, step)
+        for buffer, i, values in self._added:
+            buffer[i] += values[self._next % len(values)]
+        self._next += 1
+
+
 class RecordedSource:
     """Signals from arrays.
 

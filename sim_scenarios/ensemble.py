@@ -11,11 +11,9 @@ know intervals, bounds, resuming and clusters.
 from __future__ import annotations
 
 import os
-import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -23,7 +21,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios import recording, simulation
+from sim_scenarios import recorded_imu, recording, simulation
 from sim_scenarios.attitude import wrap
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.errors import InputError
@@ -40,9 +38,10 @@ TILT, VELOCITY, HORIZONTAL_VELOCITY, POSITION, HORIZONTAL = (
     slice(first, end) for first, end in ((1, 3), (3, 6), (3, 5), (6, 9), (6, 8))
 )
 VERTICAL = 8
-COLUMNS = 11
+NOISE = slice(11, 17)
+COLUMNS = 17
 """Columns of errors: heading and tilts [rad], velocity [m/s], position [m], NIS for each channel, NEES for
-each state."""
+each state, sigma of position [m] and velocity [m/s] fixes as the filter has estimated it."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +53,9 @@ class Errors:
     time : ndarray, shape (times,)
         [s]
     values : ndarray, shape (runs, times, k)
-        Estimated minus true, in SI units; the NIS is that of the fix at the time, NaN where there was none;
-        the NEES is NaN for a filter that does not put out its covariance.
+        Estimated minus true, in SI units; NIS and estimated sigmas are those of the fix at the time, NaN
+        where there was none; the NEES is NaN for a filter that does not put out its covariance, the sigmas
+        for one that does not estimate them.
     limit : float
         Heading error within which a filter counts as settled [rad].
     """
@@ -172,6 +172,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
     "horizontal": Figure("horizontal", "m", 1.0, HORIZONTAL, mean_rmse),
     "vertical": Figure("vertical", "m", 1.0, VERTICAL, mean_rmse),
     "velocity": Figure("velocity", "m/s", 1.0, VELOCITY, mean_rmse),
+    "velocity_east": Figure("velocity east", "m/s", 1.0, VELOCITY.start, mean_rmse),
     "tilt": Figure("tilt", "'", ARCMIN, TILT, mean_rmse),
     "yaw": Figure("yaw", "'", ARCMIN, HEADING, mean_rmse),
     "largest_velocity": Figure("largest velocity error", "m/s", 1.0, HORIZONTAL_VELOCITY, largest),
@@ -192,10 +193,13 @@ class Ensemble:
         By label.
     attributes : dict
         Those of the data set of `sim_scenarios.compare`, of the first run.
+    velocity : ndarray, shape (times, 3)
+        The true one of the first run, east, north, up [m/s].
     """
 
     filters: dict[str, Errors]
     attributes: dict[str, Any]
+    velocity: Array = field(default_factory=lambda: np.empty((0, 3)))
 
     @property
     def count(self) -> int:
@@ -218,16 +222,6 @@ class Ensemble:
         return value / FIGURES[name].of(self.filters[over], window or self.window) if over else value
 
 
-@contextmanager
-def processes(workers: int | None = None) -> Iterator[ProcessPoolExecutor]:
-    """A pool of processes, one for each core; an interruption does not wait for what is queued."""
-    pool = ProcessPoolExecutor(workers or os.cpu_count(), initializer=_leave_interruptions)
-    try:
-        yield pool
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
 def ensemble(
     pool: ProcessPoolExecutor,
     scenario: str | Path,
@@ -235,13 +229,15 @@ def ensemble(
     labels: Sequence[str],
     settings: Mapping[str, object] | None = None,
     progress: Progress = lambda _: None,
+    kept: Path | None = None,
+    residuals: Path | None = None,
 ) -> Ensemble:
     """Run filters that a scenario compares, with each seed.
 
     Parameters
     ----------
     pool : ProcessPoolExecutor
-        Of `processes`.
+        Of `processes.processes`.
     scenario : str or Path
         As for `sim_scenarios.run`.
     seeds : sequence of int
@@ -252,10 +248,16 @@ def ensemble(
         As `set` of `sim_scenarios.run`.
     progress : callable
         Called with the completed share.
+    kept : Path, optional
+        Folder that keeps what is done: a run that is there is not done again. It holds the runs of one
+        scenario with one choice of settings and filters.
+    residuals : Path, optional
+        Recording whose residuals are added to the increments of the plant, in each run from another place on.
     """
     batches = _batches(seeds)
     futures: list[Future[list[xr.Dataset]]] = [
-        pool.submit(_runs, scenario, batch, labels, dict(settings or {})) for batch in batches
+        pool.submit(_runs, scenario, batch, labels, dict(settings or {}), kept, residuals)
+        for batch in batches
     ]
     done = 0
     for future in as_completed(futures):
@@ -274,7 +276,7 @@ def gathered(runs: Sequence[xr.Dataset]) -> Ensemble:
         for label in first["filter"].values
     }
     filters = {label: Errors(first["time"].values, errors, limit) for label, errors in values.items()}
-    return Ensemble(filters, dict(first.attrs))
+    return Ensemble(filters, dict(first.attrs), first["velocity"].values)
 
 
 def errors_of_run(run: xr.Dataset) -> xr.Dataset:
@@ -282,7 +284,10 @@ def errors_of_run(run: xr.Dataset) -> xr.Dataset:
     labels = run["filter"].values
     columns = [_columns(recording.of_filter(run, str(label))) for label in labels]
     return xr.Dataset(
-        {"errors": (("filter", "time", "column"), np.stack(columns))},
+        {
+            "errors": (("filter", "time", "column"), np.stack(columns)),
+            "velocity": (("time", "axis"), run["truth.velocity"].values),
+        },
         coords={"filter": labels, "time": run["time"].values},
         attrs=run.attrs,
     )
@@ -300,26 +305,53 @@ def _columns(run: xr.Dataset) -> Array:
     channels = is_measured(run)[used].sum(axis=1)  # none of a fix that a coarse stage used
     nis = np.where(channels > 0, run["nis"].values[used] / np.maximum(channels, 1), np.nan)
     errors[row[inside], NIS] = nis[inside]
+    if "measurement_sigma_estimate" in run:
+        estimate = run["measurement_sigma_estimate"]
+        units = np.array(estimate.attrs["units"].split())
+        first = [i for unit in ("m", "m/s") for i in np.flatnonzero(units == unit)[:3]]
+        errors[row[inside], NOISE] = estimate.values[used][inside][:, first]
     if "covariance" in run:
         errors[:, NEES] = nees_of(run)
     return errors
 
 
-def _leave_interruptions() -> None:
-    """Leave Ctrl-C to the process that has the pool: a terminal interrupts them all."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def run_file(kept: Path, seed: int) -> Path:
+    """Where the run of a seed is kept."""
+    return kept / f"run_{seed}.nc"
 
 
 def _runs(
-    scenario: str | Path, seeds: Sequence[int], labels: Sequence[str], settings: Mapping[str, object]
+    scenario: str | Path,
+    seeds: Sequence[int],
+    labels: Sequence[str],
+    settings: Mapping[str, object],
+    kept: Path | None,
+    residuals: Path | None,
 ) -> list[xr.Dataset]:
     """Runs in a process of the pool, which loads the FMUs once for all of them."""
     fmus = Fmus()
-    return [errors_of_run(_run(scenario, seed, labels, settings, fmus)) for seed in seeds]
+    runs = []
+    for seed in seeds:
+        file = run_file(kept, seed) if kept else None
+        if file and file.is_file():
+            runs.append(recording.load(file))
+            continue
+        run = errors_of_run(_run(scenario, seed, labels, settings, fmus, residuals))
+        if file:
+            unfinished = file.with_suffix(".part")
+            recording.save(run, unfinished)
+            unfinished.replace(file)
+        runs.append(run)
+    return runs
 
 
 def _run(
-    scenario: str | Path, seed: int, labels: Sequence[str], settings: Mapping[str, object], fmus: Fmus
+    scenario: str | Path,
+    seed: int,
+    labels: Sequence[str],
+    settings: Mapping[str, object],
+    fmus: Fmus,
+    residuals: Path | None,
 ) -> xr.Dataset:
     loaded = load_scenario(scenario, fmus, seed=seed, settings=settings)
     known = loaded.filters()
@@ -328,10 +360,21 @@ def _run(
             hint = did_you_mean(label, list(known)) or f"; there are {', '.join(known)}"
             raise InputError(f"{scenario} compares no filter '{label}'{hint}")
     filters = {label: known[label] for label in labels}
-    recorded, messages = simulation.simulated(loaded, fmus, filters)
+    added = _residuals(residuals, loaded.communication_step, seed) if residuals else None
+    recorded, messages = simulation.simulated(loaded, fmus, filters, added=added)
     data = simulation.dataset(recorded, loaded, fmus, list(labels))
     data.attrs = simulation.attributes(loaded, fmus, messages)
     return data
+
+
+def _residuals(path: Path, period: float, seed: int) -> dict[str, Array]:
+    """Residuals of a recording from a place of its own for each seed on, and on from its beginning.
+
+    There is one recording: runs share its pieces, and what they say together is surer than it looks.
+    """
+    rest = recorded_imu.residuals(path, period, span=60.0)
+    start = round(37.0 * seed / period)
+    return {name: np.roll(values, -start) for name, values in rest.items()}
 
 
 def _batches(seeds: Sequence[int], most: int = 4) -> list[Sequence[int]]:

@@ -20,6 +20,7 @@ import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable
 
 from sim_scenarios.errors import InputError
+from sim_scenarios.folders import temporary
 
 PLANT: Final = "TruthPlant"
 ALIGNMENT_FILTER: Final = "AlignmentFilter"
@@ -37,6 +38,9 @@ _RULE: Final = re.compile(
     rf"(?P<rule>must be (?:at least|at most|greater than|less than)) (?P<limit>{_NUMBER})"
 )
 
+_LONGEST: Final = 80
+"""Characters of a wrong value that are shown."""
+
 Number = float | int | bool
 
 
@@ -50,16 +54,14 @@ class Unit:
     def to_si(self, given: object) -> float:
         """Value in the FMU's unit of a number in that unit, or of a text such as "10 deg"."""
         if isinstance(given, (int, float)) and not isinstance(given, bool):
-            if not math.isfinite(given):
-                raise InputError(f"'{given}' is not a finite number")
-            return float(given)
+            return _finite(given, given)
         number, unit = _split_quantity(given)
         if unit in ("", self.name):
-            return number
+            return _finite(number, given)
         if unit not in self.display:
-            raise InputError(f"'{given}' is not in a unit of {self._alternatives()}")
+            raise InputError(f"'{_shown(given)}' is not in a unit of {self._alternatives()}")
         factor, offset = self.display[unit]
-        return (number - offset) / factor
+        return _finite((number - offset) / factor, given)
 
     def _alternatives(self) -> str:
         return f"this quantity: {', '.join([self.name, *self.display])}"
@@ -100,19 +102,19 @@ class Variable:
 
     def _parse_integer(self, given: object) -> int:
         if not isinstance(given, int) or isinstance(given, bool):
-            raise InputError(f"'{given}' is not a whole number")
+            raise InputError(f"'{_shown(given)}' is not a whole number")
         low, high = (
             type_limit if declared is None else int(declared)
             for declared, type_limit in zip((self.min, self.max), _INTEGERS, strict=True)
         )
         if not low <= given <= high:
-            raise InputError(f"{given} is not a whole number from {low} to {high}")
+            raise InputError(f"{_shown(given)} is not a whole number from {low} to {high}")
         return given
 
     def _parse_boolean(self, given: object) -> bool:
         if isinstance(given, bool):
             return given
-        raise InputError(f"'{given}' is neither true nor false")
+        raise InputError(f"'{_shown(given)}' is neither true nor false")
 
     def _parse_item(self, given: object) -> int:
         if isinstance(given, int) and given in self.items.values():
@@ -120,7 +122,7 @@ class Variable:
         if given in self.items:
             return self.items[str(given)]
         raise InputError(
-            f"'{given}' is none of {', '.join(self.items)}{did_you_mean(str(given), self.items)}"
+            f"'{_shown(given)}' is none of {', '.join(self.items)}{did_you_mean(str(given), self.items)}"
         )
 
     def display(self, value: Number) -> str:
@@ -170,7 +172,7 @@ class Fmu:
     def folder(self) -> Path:
         """Folder with the unpacked FMU, the source code excepted."""
         if self._unpacked is None:
-            self._unpacked = TemporaryDirectory(prefix=f"{self.name}-")
+            self._unpacked = TemporaryDirectory(prefix=f"{self.name}-", dir=temporary())
             fmpy.extract(str(self.path), unzipdir=self._unpacked.name, include=_needed_to_run)
         return Path(self._unpacked.name)
 
@@ -304,7 +306,7 @@ def search_path() -> list[Path]:
 
 def did_you_mean(name: str, known: Mapping[str, object] | list[str]) -> str:
     """Hint at the known name that is closest to a wrong one; empty when none is close."""
-    close = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    close = difflib.get_close_matches(name[:_LONGEST], list(known), n=1, cutoff=0.6)
     return f"; did you mean '{close[0]}'?" if close else ""
 
 
@@ -313,10 +315,30 @@ def _needed_to_run(member: str) -> bool:
     return not member.startswith("sources/")
 
 
+def _shown(given: object) -> str:
+    """The beginning of a wrong value."""
+    try:
+        text = str(given)
+    except ValueError:  # an integer with thousands of digits
+        return "a number of thousands of digits"
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+
+
+def _finite(number: float, given: object) -> float:
+    """A number as the FMU takes it, if it can."""
+    try:
+        value = float(number)
+    except OverflowError:  # of an integer
+        value = math.inf
+    if not math.isfinite(value):
+        raise InputError(f"'{_shown(given)}' is not a finite number")
+    return value
+
+
 def _split_quantity(given: object) -> tuple[float, str]:
     match = re.fullmatch(rf"\s*({_NUMBER})\s*(\S*)\s*", str(given))
     if not isinstance(given, str) or match is None:
-        raise InputError(f"'{given}' is neither a number nor a number with a unit")
+        raise InputError(f"'{_shown(given)}' is neither a number nor a number with a unit")
     return float(match[1]), match[2]
 
 

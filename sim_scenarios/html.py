@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -11,8 +13,28 @@ import jinja2
 
 
 def render(template: str, **content: Any) -> str:
-    """Page of a template. Templates know the filters `base64` (of bytes) and `from_json` (of text)."""
+    """Page of a template. Templates know the filters `base64` (of bytes) and `from_json` (of text).
+
+    A page loads nothing, and runs none but the `scripts` of its content.
+    """
     return _environment().get_template(template).render(**content)
+
+
+def source(name: str) -> str:
+    """Text of a file that lies with the templates."""
+    loader, environment = _environment().loader, _environment()
+    assert loader is not None
+    return loader.get_source(environment, name)[0]
+
+
+def policy(scripts: Sequence[str]) -> str:
+    """What a page may do (Content-Security-Policy): show what it holds, and run these scripts."""
+    hashes = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
+    allowed = " ".join(f"'sha256-{one}'" for one in hashes) or "'none'"
+    return (
+        "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; "
+        f"script-src {allowed}"
+    )
 
 
 @cache
@@ -28,4 +50,5 @@ def _environment() -> jinja2.Environment:
         "base64": lambda raw: base64.b64encode(raw).decode("ascii"),
         "from_json": json.loads,
     }
+    environment.globals |= {"policy": policy}
     return environment

@@ -105,6 +105,22 @@ class Instance:
         port.read()
         return [port.signals.value(name) for name in names]
 
+    def state(self) -> bytes:
+        """The complete state as bytes, which another instance, in another process, can go on from."""
+        state = self._slave.getFMUState()
+        try:
+            return bytes(self._slave.serializeFMUState(state))
+        finally:
+            self._slave.freeFMUState(state)
+
+    def restore(self, state: bytes) -> None:
+        """Go on from a state that `state` gave."""
+        restored = self._slave.deserializeFMUState(state)
+        try:
+            self._slave.setFMUState(restored)
+        finally:
+            self._slave.freeFMUState(restored)
+
     def close(self) -> None:
         """Terminate and free the instance."""
         self._slave.freeInstance()

@@ -22,6 +22,8 @@ up,
 from __future__ import annotations
 
 import json
+import os
+import zlib
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
@@ -44,7 +46,12 @@ Array = NDArray[np.float64]
 IMU_COLUMNS = [f"delta_{kind}_{axis}" for kind in ("angle", "velocity") for axis in "xyz"]
 GNSS_VELOCITY = [f"gnss_velocity_{axis}" for axis in ("east", "north", "up")]
 GNSS_POSITION = ["gnss_latitude", "gnss_longitude", "gnss_height"]
+GNSS_TIME = "gnss_time"
+COLUMNS = ["time", *IMU_COLUMNS, *GNSS_VELOCITY, *GNSS_POSITION, GNSS_TIME]
+MOST_SAMPLES = 2**31 - 1  # fmi2Integer
 RECORDING_PERIOD = 0.1  # s
+RECORDINGS = "TRUENORTH_RECORDINGS"
+"""Environment variable that names the folder of recordings that do not come with the package."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +103,7 @@ def replay(
     xarray.Dataset
         As that of `sim_scenarios.run`, without truth.
     """
+    _check_finite(start, zero_velocity)
     fmu = fmu or load(ALIGNMENT_FILTER)
     table = read_recording(Path(path))
     imu = signals_of_imu(table)
@@ -133,23 +141,33 @@ def replay(
     return data
 
 
+def recording_named(name: str) -> Path | None:
+    """A recording that does not come with the package, if it is there."""
+    path = Path(os.environ.get(RECORDINGS, "../shared/data")) / name
+    return path if path.is_file() else None
+
+
 def read_recording(path: Path) -> pd.DataFrame:
     """Recording of a file, checked."""
     try:
         table = pd.read_csv(path)
     except FileNotFoundError:
         raise InputError(f"there is no recording {path}") from None
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, EOFError, zlib.error) as error:  # the last two of a damaged .csv.gz
         raise InputError(f"{path}: cannot be read as a CSV file: {error}") from None
     for column in ("time", *IMU_COLUMNS):
         if column not in table:
             raise InputError(
-                f"{path}: there is no column {column}{did_you_mean(column, list(table.columns))}"
+                f"{path}: there is no column {column}{did_you_mean(column, list(map(str, table.columns)))}"
             )
-        if not pd.api.types.is_numeric_dtype(table[column]):
-            raise InputError(f"{path}: column {column} holds something that is not a number")
     if len(table) < 2:
         raise InputError(f"{path}: has {len(table)} samples; an alignment needs many")
+    for column in table.columns.intersection(COLUMNS):
+        if not pd.api.types.is_numeric_dtype(table[column]) or pd.api.types.is_bool_dtype(table[column]):
+            raise InputError(f"{path}: column {column} holds something that is not a number")
+    unknown = np.flatnonzero(~np.isfinite(table["time"]))
+    if len(unknown):
+        raise InputError(f"{path}: line {unknown[0] + 2}: time must be a finite number")
     backwards = np.flatnonzero(np.diff(table["time"]) <= 0)
     if len(backwards):
         raise InputError(f"{path}: line {backwards[0] + 3}: time must increase from each sample to the next")
@@ -159,7 +177,10 @@ def read_recording(path: Path) -> pd.DataFrame:
 
 def _check_increments(table: pd.DataFrame, path: Path) -> None:
     """On Earth the specific force is about 9.8 m/s2 in the mean, so the increments tell their unit."""
-    mean = float(np.nanmean(np.linalg.norm(table[IMU_COLUMNS[3:]].to_numpy(dtype=float), axis=1)))
+    size = np.linalg.norm(table[IMU_COLUMNS[3:]].to_numpy(dtype=float), axis=1)
+    if not np.isfinite(size).any():
+        raise InputError(f"{path}: no sample has a delta_velocity")
+    mean = float(np.mean(size[np.isfinite(size)]))
     period = float(np.median(np.diff(table["time"])))
     low, high = STANDARD_GRAVITY / 2, STANDARD_GRAVITY * 2
     if low < mean / period < high:
@@ -176,6 +197,36 @@ def _check_increments(table: pd.DataFrame, path: Path) -> None:
     )
 
 
+def residuals(path: Path, period: float, span: float) -> dict[str, Array]:
+    """What the increments of a recording at rest have besides their mean over a span of time.
+
+    Of a vehicle that stands it is the noise of the sensors and what shakes them, without biases, the Earth
+    and what changes more slowly than over the span.
+
+    Parameters
+    ----------
+    path : Path
+        As for `replay`.
+    period : float
+        Of the samples [s]; a recording with another one is refused.
+    span : float
+        [s]
+
+    Returns
+    -------
+    dict of str to ndarray, shape (samples,)
+        By the names of the IMU's signals.
+    """
+    table = read_recording(path)
+    found = float(np.median(np.diff(table["time"])))
+    if abs(found - period) > 1e-3 * period:
+        raise InputError(f"{path}: a sample every {found:g} s, where {period:g} s are needed")
+    increments = table[IMU_COLUMNS]
+    rest = increments - increments.rolling(round(span / period), center=True, min_periods=1).mean()
+    names = [f"imu.delta_{kind}[{i}]" for kind in ("angle", "velocity") for i in (1, 2, 3)]
+    return {name: rest[column].to_numpy() for name, column in zip(names, IMU_COLUMNS, strict=True)}
+
+
 def level(force: Array) -> tuple[float, float]:
     """Roll and pitch [rad] at which a specific force in body axes points up; shape (3,)."""
     x, y, z = force
@@ -186,6 +237,11 @@ def signals_of_imu(table: pd.DataFrame) -> dict[str, NDArray[np.float64]]:
     """IMU signals at the start and after each sample. A gap in time is a jump of the sample counter."""
     time = table["time"].to_numpy(dtype=float)
     period = float(np.median(np.diff(time)))
+    if (time[-1] - time[0]) / period >= MOST_SAMPLES:
+        raise InputError(
+            f"the recording covers {time[-1] - time[0]:g} s with a sample every {period:g} s: they must be "
+            f"at most {MOST_SAMPLES}, those that are missing included"
+        )
     index = np.arange(len(time))
     sample = np.maximum.accumulate(np.rint((time - time[0]) / period) - index) + index + 1
     signals = {"imu.sample": sample, "imu.time": time}
@@ -228,6 +284,15 @@ def parameters(
     return values
 
 
+def _check_finite(start: Start, aiding: ZeroVelocity | None) -> None:
+    given = vars(start) | ({} if aiding is None else vars(aiding))
+    for name, value in given.items():
+        if not np.isfinite(value).all():
+            raise InputError(f"{name} = {value}: must be finite")
+    if start.heading_sigma < 0:
+        raise InputError(f"heading_sigma = {start.heading_sigma:g} rad: must be at least 0")
+
+
 def _before(name: str, values: Array, period: float) -> float:
     """Signal of the IMU at the start, one period before the first sample."""
     known = {"imu.sample": float(values[0]) - 1, "imu.time": float(values[0]) - period}
@@ -235,9 +300,13 @@ def _before(name: str, values: Array, period: float) -> float:
 
 
 def _zero_velocity_fixes(time: Array, aiding: ZeroVelocity) -> dict[str, Array]:
+    period = float(np.median(np.diff(time)))
     if aiding.rate <= 0 or aiding.sigma <= 0:
         raise InputError("zero-velocity fixes need a rate and a sigma greater than 0")
-    period = float(np.median(np.diff(time)))
+    if aiding.rate * period > 1 + 1e-6:
+        raise InputError(
+            f"rate = {aiding.rate:g} Hz: must be at most that of the recording, {1 / period:g} Hz"
+        )
     clock = np.concatenate(([time[0] - period], time))
     sample = np.floor((clock - clock[0]) * aiding.rate + 1e-6)
     at_fix = np.concatenate(([False], np.diff(sample) > 0))
@@ -268,7 +337,7 @@ def _recorded_fixes(table: pd.DataFrame, path: str | Path) -> dict[str, Array]:
         "gnss.latitude": table["gnss_latitude"] * DEGREE,
         "gnss.longitude": table["gnss_longitude"] * DEGREE,
     }
-    columns |= {"gnss.height": table["gnss_height"], "gnss.time": table.get("gnss_time", table["time"])}
+    columns |= {"gnss.height": table["gnss_height"], "gnss.time": table.get(GNSS_TIME, table["time"])}
     first = int(np.flatnonzero(fix)[0])
     signals = {
         name: _held(np.concatenate(([np.nan], np.where(fix, column, np.nan))), column.iloc[first])

@@ -17,6 +17,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from sim_scenarios.folders import filled
 from sim_scenarios.html import render
 from sim_scenarios.metrics import Verdict, hand_over, is_navigation, judge
 from sim_scenarios.metrics.alignment import bound_in_words
@@ -292,15 +293,14 @@ def _drawn(data: xr.Dataset, drawings: Sequence[Drawing]) -> Iterator[tuple[Draw
 
 
 def _write(data: xr.Dataset, drawings: Sequence[Drawing], page: Page, folder: Path) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
     pictures = []
-    for drawing, figure in _drawn(data, drawings):
-        content = png(figure)
-        (folder / f"{drawing.name}.png").write_bytes(content)
-        pictures.append({"name": drawing.name, "caption": drawing.caption, "png": content})
-    path = folder / "report.html"
-    path.write_text(_html(data, page, pictures), encoding="utf-8")
-    return path
+    with filled(folder) as draft:
+        for drawing, figure in _drawn(data, drawings):
+            content = png(figure)
+            (draft / f"{drawing.name}.png").write_bytes(content)
+            pictures.append({"name": drawing.name, "caption": drawing.caption, "png": content})
+        (draft / "report.html").write_text(_html(data, page, pictures), encoding="utf-8")
+    return folder / "report.html"
 
 
 def _html(data: xr.Dataset, page: Page, pictures: list[dict[str, Any]]) -> str:

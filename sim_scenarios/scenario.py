@@ -10,12 +10,12 @@ shipped scenario states only what differs; its table `compare` replaces the whol
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -25,6 +25,7 @@ from pydantic import (
     model_validator,
 )
 
+from sim_scenarios import toml
 from sim_scenarios.bounds import Knowledge
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import (
@@ -38,12 +39,8 @@ from sim_scenarios.fmus import (
     Unit,
     did_you_mean,
 )
+from sim_scenarios.names import Label, Name, Text
 from sim_scenarios.units import DEGREE
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 SHIPPED: Final = Path(__file__).parent / "scenarios"
 
@@ -54,6 +51,9 @@ EKF_UKF_ROBUST: Final[dict[str, dict[str, Any]]] = {
 }
 """The comparison of Zhou 2011, for scenarios that name no other."""
 
+
+MOST_ROWS: Final = {"communication_step": 100_000_000, "recording_period": 10_000_000}
+"""How often a run may step and record: a day by milliseconds, twelve days by tenths of a second."""
 
 Parts = Mapping[str, Fmu]
 """The FMUs that a scenario connects, by the table of their parameters: plant, filter, perhaps alignment."""
@@ -94,11 +94,21 @@ def _dotted(table: object, prefix: str = "") -> Iterator[tuple[str, object]]:
             yield f"{prefix}{key}", value
 
 
+def _not_negative(value: float) -> float:
+    if value < 0:
+        raise InputError(f"{value:g}: a sigma must be at least 0")
+    return value
+
+
+NotNegative = AfterValidator(_not_negative)
 Angle = Annotated[float, _quantity("rad")]
-AngularRate = Annotated[float, _quantity("rad/s")]
-Acceleration = Annotated[float, _quantity("m/s2")]
 Velocity = Annotated[float, _quantity("m/s")]
 Length = Annotated[float, _quantity("m")]
+AngleSigma = Annotated[Angle, NotNegative]
+AngularRateSigma = Annotated[float, _quantity("rad/s"), NotNegative]
+AccelerationSigma = Annotated[float, _quantity("m/s2"), NotNegative]
+VelocitySigma = Annotated[Velocity, NotNegative]
+LengthSigma = Annotated[Length, NotNegative]
 Time = Annotated[float, _quantity("s")]
 PlantParameters = Annotated[dict[str, Number], _parameters_of("plant")]
 FilterParameters = Annotated[dict[str, Number], _parameters_of("filter")]
@@ -115,11 +125,11 @@ class InitialError(Table):
     """Error of what a coarse alignment hands over (east, north, up); a sigma adds a drawn part."""
 
     misalignment: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
-    misalignment_sigma: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
+    misalignment_sigma: tuple[AngleSigma, AngleSigma, AngleSigma] = (0.0, 0.0, 0.0)
     velocity: tuple[Velocity, Velocity, Velocity] = (0.0, 0.0, 0.0)
-    velocity_sigma: tuple[Velocity, Velocity, Velocity] = (0.0, 0.0, 0.0)
+    velocity_sigma: tuple[VelocitySigma, VelocitySigma, VelocitySigma] = (0.0, 0.0, 0.0)
     position: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
-    position_sigma: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
+    position_sigma: tuple[LengthSigma, LengthSigma, LengthSigma] = (0.0, 0.0, 0.0)
 
 
 class Evaluation(Table):
@@ -137,20 +147,20 @@ class Evaluation(Table):
 class Prior(Table):
     """Prior knowledge that the Cramer-Rao bound assumes (science of the scenario, not belief of a filter)."""
 
-    tilt_sigma: Angle = Knowledge.tilt_sigma
-    heading_sigma: Angle = Knowledge.heading_sigma
-    velocity_sigma: Velocity = Knowledge.velocity_sigma
-    gyro_bias_sigma: AngularRate = Knowledge.gyro_bias_sigma
-    accelerometer_bias_sigma: Acceleration = Knowledge.accelerometer_bias_sigma
-    position_sigma: Length = Knowledge.position_sigma
+    tilt_sigma: AngleSigma = Knowledge.tilt_sigma
+    heading_sigma: AngleSigma = Knowledge.heading_sigma
+    velocity_sigma: VelocitySigma = Knowledge.velocity_sigma
+    gyro_bias_sigma: AngularRateSigma = Knowledge.gyro_bias_sigma
+    accelerometer_bias_sigma: AccelerationSigma = Knowledge.accelerometer_bias_sigma
+    position_sigma: LengthSigma = Knowledge.position_sigma
 
 
 class Scenario(Table):
     """A scenario, checked against the FMUs; FMU parameters by scalar name in the FMU's units."""
 
-    name: str
-    description: str
-    notes: str = ""
+    name: Name
+    description: Text
+    notes: Text = ""
     duration: Time = 600.0
     communication_step: Time = 0.01
     recording_period: Time = 0.1
@@ -161,14 +171,23 @@ class Scenario(Table):
     plant: PlantParameters = {}
     filter: FilterParameters = {}
     alignment: AlignmentParameters | None = None
-    compare: dict[str, FilterParameters] = Field(default={})
+    compare: dict[Label, FilterParameters] = Field(default={})
 
     @model_validator(mode="after")
     def _times_fit(self) -> Scenario:
         if self.communication_step <= 0:
             raise InputError(f"communication_step = {self.communication_step:g} s: must be greater than 0")
+        if self.recording_period <= 0:
+            raise InputError(f"recording_period = {self.recording_period:g} s: must be greater than 0")
         if self.duration < self.communication_step:
             raise InputError(f"duration = {self.duration:g} s: must be at least one communication_step")
+        if self.duration < self.recording_period:
+            raise InputError(f"duration = {self.duration:g} s: must be at least one recording_period")
+        for name, most in MOST_ROWS.items():
+            if self.duration > most * (step := getattr(self, name)):
+                raise InputError(
+                    f"duration = {self.duration:g} s: must be at most {most} times the {name} of {step:g} s"
+                )
         if not 0 <= self.evaluation.start < self.evaluation.stop:
             raise InputError("evaluation.start must be at least 0 and before evaluation.stop")
         if self.evaluation.start >= self.duration:
@@ -264,11 +283,11 @@ def load_scenario(
 def scenario_path(name: str | Path) -> Path:
     """Path of a scenario given by name or path."""
     if isinstance(name, Path) or name.endswith(".toml") or "/" in name:
-        if Path(name).is_file():
+        if toml.exists(Path(name)):
             return Path(name)
         raise InputError(f"there is no scenario file {name}")
     path = SHIPPED / f"{name}.toml"
-    if path.is_file():
+    if toml.exists(path):
         return path
     names = [p.stem for p in sorted(SHIPPED.glob("*.toml"))]
     hint = did_you_mean(name, names) or f"; there are {', '.join(names)}, or give the path of a .toml file"
@@ -277,17 +296,14 @@ def scenario_path(name: str | Path) -> Path:
 
 def _read(path: Path, above: tuple[Path, ...] = ()) -> dict[str, Any]:
     """Content of a scenario file upon that of the one it extends; `above` are those that extend it."""
-    try:
-        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+    table = toml.read(path)
     if "extends" not in table:
         return table
     try:
         below = scenario_path(str(table.pop("extends")))
     except InputError as error:
         raise InputError(f"{path}: extends: {error}") from None
-    if below in (*above, path):
+    if below.resolve() in [one.resolve() for one in (*above, path)]:
         raise InputError(f"{path}: extends: {below} extends this file in turn")
     base = _read(below, (*above, path))
     if "compare" in table:
@@ -305,14 +321,6 @@ def _merged(base: dict[str, Any], upper: dict[str, Any]) -> dict[str, Any]:
         else:
             merged[key] = value
     return merged
-
-
-def toml_value(text: str) -> object:
-    """A value as it stands in a scenario file; a bare text needs no quotes."""
-    try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        return text.strip()
 
 
 def _check(table: Mapping[str, Any], parts: Parts, where: Path | str) -> Scenario:

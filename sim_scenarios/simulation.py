@@ -17,6 +17,7 @@ from sim_scenarios import attitude, recording
 from sim_scenarios.bounds import POSITION, Knowledge, Trajectory, cramer_rao
 from sim_scenarios.cosimulation import (
     AlignmentSource,
+    DisturbedSource,
     FmuSource,
     Order,
     Progress,
@@ -49,6 +50,7 @@ NOT_IN_THE_BOUND = (
         f"imu.{sensor}.{error}"
         for sensor in ("gyro", "accelerometer")
         for error in (
+            "bias_random_walk",
             "markov_sigma",
             "wave_sigma",
             "scale_factor",
@@ -218,11 +220,17 @@ def simulated(
     filters: Mapping[str, Mapping[str, Number]],
     order: Order = Order.gauss_seidel,
     progress: Progress = lambda _: None,
+    added: Mapping[str, Array] | None = None,
 ) -> tuple[Recorded, list[Message]]:
-    """What plant and filters recorded and said in a scenario."""
+    """What plant and filters recorded and said in a scenario; `added` as of `DisturbedSource`."""
     with ExitStack() as stack:
         source, sinks = connect(scenario, fmus, filters, stack, order)
-        recorded = record(scenario, fmus, source, sinks, order, progress)
+        signals: Source = source
+        if added is not None:
+            if not isinstance(source, FmuSource):
+                raise InputError(f"{scenario.name}: nothing is added to the signals of an alignment")
+            signals = DisturbedSource(source, added)
+        recorded = record(scenario, fmus, signals, sinks, order, progress)
         instances = (source.instance, source.alignment, *(sink.instance for sink in sinks))
         return recorded, [message for instance in instances if instance for message in instance.messages]
 

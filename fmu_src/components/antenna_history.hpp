@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <stdexcept>
 
 #include "inertial/interval_average.hpp"
 
@@ -49,6 +50,9 @@ class AntennaHistory {
     template <class Archive>
     void serialize(Archive& archive) {
         archive(size_, newest_, entries_);
+        if (size_ > kCapacity || newest_ >= kCapacity) {
+            throw std::out_of_range("the stored state is damaged: there is no such entry of its history");
+        }
     }
 
   private:

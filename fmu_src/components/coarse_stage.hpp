@@ -4,9 +4,11 @@
 // Memory is bounded: fixes closer than kSpacing are passed over, and what fills the memory ends the stage.
 #pragma once
 
-#include <cereal/types/vector.hpp>
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "components/time_tolerance.hpp"
@@ -76,11 +78,19 @@ class CoarseStage {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(active_);
+        std::uint64_t count = epochs_.size();
+        archive(active_, interval_, doubted_.attitude, doubted_.velocity, alignment_, count);
         if constexpr (Archive::is_loading::value) {
+            if (count > (active_ ? kCapacity : 0)) {
+                throw std::out_of_range("the stored state is damaged: it has " + std::to_string(count) +
+                                        " fixes of a coarse stage");
+            }
             reserve();
+            epochs_.resize(count);
         }
-        archive(interval_, doubted_.attitude, doubted_.velocity, alignment_, epochs_);
+        for (Epoch<M>& epoch : epochs_) {
+            archive(epoch);
+        }
     }
 
   private:

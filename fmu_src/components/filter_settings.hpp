@@ -135,6 +135,8 @@ void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& widest, co
     corrector.gate.enabled = p.gate.enabled;
     corrector.gate.threshold = p.gate.threshold;
     corrector.patience = p.gate.patience;
+    using IggForm = typename Igg<N>::Form;
+    corrector.igg.form = p.igg.form == decltype(p.igg.form)::printed ? IggForm::printed : IggForm::corrected;
     corrector.igg.k0 = p.igg.k0;
     corrector.igg.k1 = p.igg.k1;
     corrector.igg.patience = p.igg.patience;
@@ -153,6 +155,17 @@ void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& widest, co
     bayes.rho = variational_bayes.rho;
     bayes.iterations = variational_bayes.iterations;
     bayes.limit = variational_bayes.limit;
+    bayes.start_a = variational_bayes.a;
+}
+
+// With which variance variational Bayes starts a channel: the positions or pseudoranges of a fix come first,
+// as many velocities or range rates after them, or there are velocities alone.
+template <class Where, int M, class Parameters>
+Vector<M> starting_variance_of(const Parameters& p) {
+    constexpr int positions = Where::position.count > 0 ? M / 2 : 0;
+    Vector<M> sigma = Vector<M>::Constant(p.variational_bayes.velocity_sigma);
+    sigma.template head<positions>().setConstant(p.variational_bayes.position_sigma);
+    return sigma.cwiseAbs2();
 }
 
 // L and the ceiling of the H-infinity update that gives up what is due for `elapsed` seconds: nothing, if
@@ -205,6 +218,8 @@ void configure(Engine& engine, const Parameters& p) {
     engine.estimator.predictor = predictor_of(p);
     engine.prior_sigma = prior_sigma_of<Engine>(p);
     configure_corrector(engine.corrector, widest_of(engine, p), p);
+    engine.corrector.variational_bayes.start_variance =
+        starting_variance_of<typename Engine::Where, Engine::kMeasurements>(p);
 }
 
 }  // namespace truenorth

@@ -45,6 +45,9 @@ void at_most(std::string_view name, Number value, Number limit) {
     }
 }
 
+// For what must be greater than 0: its square must be as well, and have an inverse.
+inline void invertible(std::string_view name, double value) { at_least(name, value, 1e-100); }
+
 template <class Enumeration>
 void one_of(std::string_view name, Enumeration value, std::initializer_list<std::string_view> items) {
     const auto number = static_cast<int>(value);

@@ -32,10 +32,15 @@ struct Adapter<Tight> {
 
     template <class Parameters>
     static void configure(Tight& model, const Parameters& p) {
+        model.propagation = p.propagation == decltype(p.propagation)::nonlinear
+                                ? Tight::Propagation::nonlinear
+                                : Tight::Propagation::linear;
         model.noise = {.angle_random_walk = p.process.angle_random_walk,
                        .velocity_random_walk = p.process.velocity_random_walk,
+                       .gyro_random_walk = p.process.gyro_bias_random_walk,
                        .gyro_markov_sigma = p.process.gyro_markov_sigma,
                        .gyro_markov_time = p.process.gyro_markov_time,
+                       .accelerometer_random_walk = p.process.accelerometer_bias_random_walk,
                        .clock_bias_random_walk = p.process.clock_bias_noise,
                        .clock_drift_random_walk = p.process.clock_drift_noise,
                        .pseudorange_sigma = p.measurement.pseudorange_sigma,

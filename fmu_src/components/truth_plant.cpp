@@ -48,6 +48,7 @@ void TruthPlant::initialise(double start_time) {
 
 void TruthPlant::retune() {
     validate(parameters);
+    truth_plant::check_together(parameters);
     models_.emplace(parameters);
 }
 

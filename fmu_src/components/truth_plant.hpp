@@ -45,12 +45,16 @@ class TruthPlant {
     // Of the IMU [s].
     [[nodiscard]] double sample_period() const { return 1.0 / parameters.imu.rate; }
 
-    // The complete state, as bytes; what follows from the parameters is made anew.
+    // The complete state, as bytes; what follows from the parameters is made anew. Loading throws
+    // InvalidParameter when they are none that an initialisation has accepted.
     template <class Archive>
     void serialize(Archive& archive) {
         archive(parameters, inputs, outputs, state_);
         if constexpr (Archive::is_loading::value) {
-            models_ = state_.initialised ? std::optional<Models>(parameters) : std::nullopt;
+            models_.reset();
+            if (state_.initialised) {
+                retune();
+            }
         }
     }
 

@@ -88,6 +88,7 @@ plant::InertialSensor::Errors errors(const Sensor& sensor) {
         .bias = sensor.bias,
         .bias_sigma = sensor.bias_sigma,
         .bias_limit = sensor.bias_limit,
+        .bias_random_walk = sensor.bias_random_walk,
         .white_noise = sensor.white_noise,
         .markov_sigma = sensor.markov_sigma,
         .markov_time = sensor.markov_time,
@@ -247,6 +248,7 @@ Models::Models(const Parameters& parameters)
       gyro(errors(parameters.imu.gyro), 1.0 / parameters.imu.rate,
            {
                .bias = stream(parameters, plant::NoiseSource::gyro_bias),
+               .walk = stream(parameters, plant::NoiseSource::gyro_bias_walk),
                .white = stream(parameters, plant::NoiseSource::gyro_white),
                .markov = stream(parameters, plant::NoiseSource::gyro_markov),
                .wave = stream(parameters, plant::NoiseSource::gyro_wave),
@@ -254,6 +256,7 @@ Models::Models(const Parameters& parameters)
       accelerometer(errors(parameters.imu.accelerometer), 1.0 / parameters.imu.rate,
                     {
                         .bias = stream(parameters, plant::NoiseSource::accelerometer_bias),
+                        .walk = stream(parameters, plant::NoiseSource::accelerometer_bias_walk),
                         .white = stream(parameters, plant::NoiseSource::accelerometer_white),
                         .markov = stream(parameters, plant::NoiseSource::accelerometer_markov),
                         .wave = stream(parameters, plant::NoiseSource::accelerometer_wave),

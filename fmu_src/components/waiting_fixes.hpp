@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 
 #include "components/time_tolerance.hpp"
 
@@ -53,8 +54,9 @@ class WaitingFixes {
     template <class Archive>
     void serialize(Archive& archive) {
         archive(first_, count_, entries_);
-        first_ %= kCapacity;  // whatever a damaged state says
-        count_ = count_ > kCapacity ? 0 : count_;
+        if (first_ >= kCapacity || count_ > kCapacity) {
+            throw std::out_of_range("the stored state is damaged: there is no such fix in its queue");
+        }
     }
 
   private:

@@ -6,7 +6,7 @@
 
 namespace truenorth {
 
-static_assert(ErrorModel<EulerPlatform>);
+static_assert(ErrorModel<EulerPlatform> && NoiseInside<EulerPlatform>);
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -85,7 +85,7 @@ Matrix<EulerPlatform::kStates> EulerPlatform::jacobian(const State& x, const Int
         velocity_form == VelocityForm::vertical_force
             ? derivative_of_product(form, alpha, {0.0, 0.0, interval.gravity})
             : Matrix3d(-derivative_of_transposed_product(form, alpha, interval.force));
-    F.block<3, 3>(kVelocityEast, kVelocityEast) = interval.coriolis() + skew(dv) * T - skew(T * dv);
+    F.block<3, 3>(kVelocityEast, kVelocityEast) = interval.coriolis(dv);
     return F;
 }
 

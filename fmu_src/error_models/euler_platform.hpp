@@ -74,6 +74,12 @@ class EulerPlatform {
         propagate_vectors(*this, x, deviations, interval);
     }
 
+    template <int Count>
+    void propagate(State& x, Points<kStates, Count>& deviations, const Points<kStates, Count>& noise,
+                   const Interval& interval) const {
+        propagate_vectors(*this, x, deviations, noise, interval);
+    }
+
     [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const {
         return vector_transition(*this, x, interval);
     }
@@ -106,18 +112,14 @@ Set EulerPlatform::rate(const Set& x, const Interval& interval) const {
     const Row alpha_x = x.row(kAlphaX);
     const Row alpha_y = x.row(kAlphaY);
     const MisalignmentMatrix<Row> C(form, alpha_x, alpha_y, x.row(kAlphaZ));
-    const Components<Row> dv{x.row(kVelocityEast), x.row(kVelocityNorth), x.row(kVelocityUp)};
-    const auto times_dv = [&](const Eigen::Matrix3d& M, int i) -> Row {
-        return M(i, 0) * dv[0] + M(i, 1) * dv[1] + M(i, 2) * dv[2];
-    };
-    const Eigen::Matrix3d T = interval.transport();
-    const Components<Row> dw{times_dv(T, 0), times_dv(T, 1), times_dv(T, 2)};
+    const Points<3, Set::ColsAtCompileTime> dv = x.template middleRows<3>(kVelocityEast);
+    const Points<3, Set::ColsAtCompileTime> dw = interval.transport().lazyProduct(dv);
 
     // Rate of n' relative to n, eq. 17.
     const Eigen::Vector3d w = interval.omega_ie + interval.omega_en;
     Components<Row> turn;
     for (int i = 0; i < 3; ++i) {
-        turn[i] = w[i] - C.times(i, w) + dw[i];
+        turn[i] = w[i] - C.times(i, w) + dw.row(i).array();
     }
 
     Set rate;
@@ -141,11 +143,9 @@ Set EulerPlatform::rate(const Set& x, const Interval& interval) const {
         return velocity_form == VelocityForm::vertical_force ? Row(C.times(i, vertical) - vertical[i])
                                                              : Row(f[i] - C.transposed_times(i, f));
     };
-    const Eigen::Matrix3d A = interval.coriolis();
+    const auto coriolis = interval.coriolis_rate(dv);
     for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3;
-        const int k = (i + 2) % 3;
-        rate.row(kVelocityEast + i) = force(i) + times_dv(A, i) - (dw[j] * dv[k] - dw[k] * dv[j]);
+        rate.row(kVelocityEast + i) = force(i) + coriolis.row(i).array();
     }
     return rate;
 }

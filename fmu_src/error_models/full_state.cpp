@@ -4,7 +4,7 @@
 
 namespace truenorth {
 
-static_assert(ErrorModel<FullState>);
+static_assert(ErrorModel<FullState> && NoiseInside<FullState>);
 
 Matrix<FullState::kStates> FullState::transition(const State& x, const Interval& interval) {
     const Mechanisation end = mechanised(x, interval);

@@ -63,11 +63,22 @@ class FullState {
 
     template <int Count>
     void propagate(State& x, Points<kStates, Count>& deviations, const Interval& interval) const {
+        propagate(x, deviations, Points<kStates, Count>(Points<kStates, Count>::Zero()), interval);
+    }
+
+    // Noise of attitude and velocity is that of the sensors: by it the increments of each point are wrong.
+    template <int Count>
+    void propagate(State& x, Points<kStates, Count>& deviations, const Points<kStates, Count>& noise,
+                   const Interval& interval) const {
         const State start = x;
         x = mechanised(start, interval).state;
         for (int i = 0; i < Count; ++i) {
-            deviations.col(i) =
-                local(x, mechanised(retract(start, Deviation(deviations.col(i))), interval).state);
+            const State point = retract(start, Deviation(deviations.col(i)));
+            const Deviation wrong = noise.col(i);
+            Interval noisy = interval;
+            noisy.increment.delta_angle -= point.q_bn.conjugate() * wrong.segment<3>(kPhi);
+            noisy.increment.delta_velocity += point.q_bn.conjugate() * wrong.segment<3>(kVelocity);
+            deviations.col(i) = local(x, mechanised(point, noisy).state);
         }
     }
 

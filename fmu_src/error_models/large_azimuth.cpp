@@ -4,7 +4,7 @@
 
 namespace truenorth {
 
-static_assert(ErrorModel<LargeAzimuth>);
+static_assert(ErrorModel<LargeAzimuth> && NoiseInside<LargeAzimuth>);
 
 LargeAzimuth::Interval::Interval(const IntervalAverage& average, const earth::Position& position,
                                  const State& x)
@@ -71,7 +71,8 @@ Matrix<LargeAzimuth::kStates> LargeAzimuth::jacobian(const State& x, const Inter
     }
     F.block<2, 3>(kVelocityEast, kPhiEast) = force.topRows<2>();
     F.block<2, 2>(kVelocityEast, kAccelerometerX) = bias.topRows<2>();
-    F.block<2, 2>(kVelocityEast, kVelocityEast) = interval.coriolis().topLeftCorner<2, 2>();
+    F.block<2, 2>(kVelocityEast, kVelocityEast) =
+        interval.coriolis({x(kVelocityEast), x(kVelocityNorth), 0.0}).topLeftCorner<2, 2>();
     return F;
 }
 

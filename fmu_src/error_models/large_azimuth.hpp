@@ -8,11 +8,13 @@
 //         [ phi_n c + phi_e s  phi_n s - phi_e c     1  ]
 //
 //     phi' = (I - C) w_in + dw_in - C_b^{n'} eps                                          (Zhou 2011 eq. 12)
-//     dv'  = (I - C^T) f' + C^T C_b^{n'} nabla - (2 w_ie + w_en) x dv - dw_en x v          horizontal rows
+//     dv'  = (I - C^T) f' + C^T C_b^{n'} nabla - (2 w_ie + w_en) x dv - dw_en x (v + dv)   horizontal rows
 //
 // with f' = C_b^{n'} f^b the computed force. Zhou 2011 writes (C - I) f^n with the force of the *true* frame,
-// which nobody has; `VelocityForm` offers the ways to read it. Velocity error, misalignment and biases are
-// computed minus true; the measurement is INS minus GNSS velocity.
+// which nobody has; `VelocityForm` offers the ways to read it. v is the velocity that the filter trusts, v +
+// dv that of the mechanisation: open loop they are as far apart as the start was wrong, and -dw_en x dv,
+// which the rows of Zhou 2011 eq. 14 have if V is read as v + dv, is 1.6e-4 m/s2 for 40 m/s. Velocity error,
+// misalignment and biases are computed minus true; the measurement is INS minus GNSS velocity.
 #pragma once
 
 #include <array>
@@ -78,6 +80,12 @@ class LargeAzimuth {
         propagate_vectors(*this, x, deviations, interval);
     }
 
+    template <int Count>
+    void propagate(State& x, Points<kStates, Count>& deviations, const Points<kStates, Count>& noise,
+                   const Interval& interval) const {
+        propagate_vectors(*this, x, deviations, noise, interval);
+    }
+
     [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const {
         return vector_transition(*this, x, interval);
     }
@@ -104,8 +112,9 @@ class LargeAzimuth {
 template <class Set>
 Set LargeAzimuth::rate(const Set& x, const Interval& interval) const {
     using Row = Eigen::Array<double, 1, Set::ColsAtCompileTime>;
-    const Row dv_e = x.row(kVelocityEast);
-    const Row dv_n = x.row(kVelocityNorth);
+    Points<3, Set::ColsAtCompileTime> dv;
+    dv << x.template middleRows<2>(kVelocityEast), Points<1, Set::ColsAtCompileTime>::Zero();
+    const Points<3, Set::ColsAtCompileTime> dw = interval.transport().lazyProduct(dv);
     const Row phi_n = x.row(kPhiNorth);
     const MisalignmentMatrix<Row> C(Misalignment::large_azimuth, x.row(kPhiEast), phi_n, x.row(kPhiUp));
 
@@ -118,15 +127,13 @@ Set LargeAzimuth::rate(const Set& x, const Interval& interval) const {
         return C_bn(axis, 0) * x.row(kGyroX).array() + C_bn(axis, 1) * x.row(kGyroY).array() +
                C_bn(axis, 2) * x.row(kGyroZ).array();
     };
-    const Eigen::Matrix3d T = interval.transport();
 
     Set rate = Set::Zero();
 
     // Misalignment.
     const Eigen::Vector3d w = interval.omega_ie + interval.omega_en;
     for (int i = 0; i < 3; ++i) {
-        const Row dw = T(i, 0) * dv_e + T(i, 1) * dv_n;
-        rate.row(kPhiEast + i) = w[i] - C.times(i, w) + dw - epsilon(i);
+        rate.row(kPhiEast + i) = w[i] - C.times(i, w) + dw.row(i).array() - epsilon(i);
     }
 
     // Velocity: force and accelerometer bias.
@@ -152,9 +159,9 @@ Set LargeAzimuth::rate(const Set& x, const Interval& interval) const {
     }
 
     // Velocity: Coriolis and transport terms.
-    const Eigen::Matrix3d A = interval.coriolis();
-    rate.row(kVelocityEast) = force[0] + A(0, 0) * dv_e + A(0, 1) * dv_n;
-    rate.row(kVelocityNorth) = force[1] + A(1, 0) * dv_e + A(1, 1) * dv_n;
+    const auto coriolis = interval.coriolis_rate(dv);
+    rate.row(kVelocityEast) = force[0] + coriolis.row(0).array();
+    rate.row(kVelocityNorth) = force[1] + coriolis.row(1).array();
     return rate;
 }
 

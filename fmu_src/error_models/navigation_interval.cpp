@@ -30,8 +30,9 @@ Eigen::Matrix3d NavigationInterval::transport() const {
     return T;
 }
 
-Eigen::Matrix3d NavigationInterval::coriolis() const {
-    return skew(velocity) * transport() - skew(2.0 * omega_ie + omega_en);
+Eigen::Matrix3d NavigationInterval::coriolis(const Eigen::Vector3d& dv) const {
+    const Eigen::Matrix3d T = transport();
+    return skew(velocity + dv) * T - skew(2.0 * omega_ie + omega_en + T * dv);
 }
 
 }  // namespace truenorth

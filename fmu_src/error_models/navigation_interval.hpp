@@ -33,8 +33,25 @@ struct NavigationInterval {
     // T [1/m].
     [[nodiscard]] Eigen::Matrix3d transport() const;
 
-    // -(2 w_ie + w_en) x dv - dw_en x v = (v x T - (2 w_ie + w_en) x) dv: the matrix in brackets [1/s].
-    [[nodiscard]] Eigen::Matrix3d coriolis() const;
+    // By which the turning axes change a velocity error dv, for every column of it:
+    // -(2 w_ie + w_en) x dv - dw_en x (v + dv), as the mechanisation multiplies w_en by the v + dv it has.
+    template <int Count>
+    [[nodiscard]] Points<3, Count> coriolis_rate(const Points<3, Count>& dv) const;
+
+    // The Jacobian of that at dv [1/s]; at zero v x T - (2 w_ie + w_en) x.
+    [[nodiscard]] Eigen::Matrix3d coriolis(const Eigen::Vector3d& dv = Eigen::Vector3d::Zero()) const;
 };
+
+template <int Count>
+Points<3, Count> NavigationInterval::coriolis_rate(const Points<3, Count>& dv) const {
+    const Points<3, Count> dw_en = transport().lazyProduct(dv);
+    Points<3, Count> rate = coriolis().lazyProduct(dv);
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3;
+        const int k = (i + 2) % 3;
+        rate.row(i) -= dw_en.row(j).cwiseProduct(dv.row(k)) - dw_en.row(k).cwiseProduct(dv.row(j));
+    }
+    return rate;
+}
 
 }  // namespace truenorth

@@ -6,13 +6,49 @@
 
 namespace truenorth {
 
-static_assert(ErrorModel<Tight>);
+static_assert(ErrorModel<Tight> && NoiseInside<Tight>);
 
 using Eigen::Vector3d;
 using navigation_error::kCount;
 
 Tight::Interval::Interval(const IntervalAverage& average, const earth::Position& position, const State& x)
-    : NavigationInterval(average, position, x.segment<3>(kVelocity)) {}
+    : NavigationInterval(average, position, x.segment<3>(kVelocity)),
+      computed_position(position),
+      computed_velocity(average.velocity()) {}
+
+Tight::State Tight::rate_of(const State& x, const Interval& interval) const {
+    const Vector3d phi = x.segment<3>(kPhi);
+    const Vector3d dv = x.segment<3>(kVelocity);
+    const Vector3d dp = x.segment<3>(kPosition);
+    const Eigen::Matrix3d C = quaternion(-phi).toRotationMatrix();
+
+    const earth::Position& computed = interval.computed_position;
+    const Vector3d computed_v = interval.computed_velocity;
+    const Vector3d computed_ie = earth::rate(computed.latitude);
+    const Vector3d computed_en = earth::transport_rate(computed, computed_v);
+
+    const earth::Position position = earth::displaced(computed, -dp);
+    const Vector3d v = computed_v - dv;
+    const Vector3d w_ie = earth::rate(position.latitude);
+    const Vector3d w_en = earth::transport_rate(position, v);
+    const double gravity_error = earth::gravity(computed.latitude, computed.height) -
+                                 earth::gravity(position.latitude, position.height);
+
+    const Vector3d turn = computed_ie + computed_en - C * (w_ie + w_en) -
+                          interval.C_bn * (x.segment<3>(kGyro) + x.segment<3>(kGyroMarkov));
+    const Vector3d true_force =
+        C.transpose() * (interval.force - interval.C_bn * x.segment<3>(kAccelerometer));
+
+    State rate = State::Zero();
+    rate.segment<3>(kPhi) = left_jacobian(-phi).inverse() * turn;  // J_r(phi) = J_l(-phi)
+    rate.segment<3>(kVelocity) = interval.force - true_force - gravity_error * Vector3d::UnitZ() -
+                                 (2.0 * computed_ie + computed_en).cross(computed_v) +
+                                 (2.0 * w_ie + w_en).cross(v);
+    rate.segment<3>(kPosition) = dv - w_en.cross(dp) + earth::transport_rate(position, dp).cross(v);
+    rate.segment<3>(kGyroMarkov) = -x.segment<3>(kGyroMarkov) / noise.gyro_markov_time;
+    rate(kClockBias) = x(kClockDrift);
+    return rate;
+}
 
 Matrix<Tight::kStates> Tight::jacobian(const State& /*x*/, const Interval& interval) const {
     Matrix<kStates> F = Matrix<kStates>::Zero();
@@ -25,17 +61,23 @@ Matrix<Tight::kStates> Tight::jacobian(const State& /*x*/, const Interval& inter
     return F;
 }
 
+// Exact for the Markov process and the clock, whose drift reaches its bias within the interval.
 Matrix<Tight::kStates> Tight::process_noise(const State& /*x*/, const Interval& interval) const {
     const double dt = interval.dt;
-    const double sigma = noise.gyro_markov_sigma;
-    State variance = State::Zero();
+    const auto squared = [](double value) { return value * value; };
+    Matrix<kStates> Q = Matrix<kStates>::Zero();
+    auto variance = Q.diagonal();
     variance.head<kCount>() =
         navigation_error::random_walk_variance(noise.angle_random_walk, noise.velocity_random_walk, dt);
+    variance.segment<3>(kGyro).setConstant(dt * squared(noise.gyro_random_walk));
     variance.segment<3>(kGyroMarkov)
-        .setConstant(-sigma * sigma * std::expm1(-2.0 * dt / noise.gyro_markov_time));
-    variance(kClockBias) = dt * noise.clock_bias_random_walk * noise.clock_bias_random_walk;
-    variance(kClockDrift) = dt * noise.clock_drift_random_walk * noise.clock_drift_random_walk;
-    return variance.asDiagonal();
+        .setConstant(-squared(noise.gyro_markov_sigma) * std::expm1(-2.0 * dt / noise.gyro_markov_time));
+    variance.segment<3>(kAccelerometer).setConstant(dt * squared(noise.accelerometer_random_walk));
+    const double drift = squared(noise.clock_drift_random_walk);
+    variance(kClockBias) = dt * squared(noise.clock_bias_random_walk) + drift * dt * dt * dt / 3.0;
+    variance(kClockDrift) = drift * dt;
+    Q(kClockBias, kClockDrift) = Q(kClockDrift, kClockBias) = drift * dt * dt / 2.0;
+    return Q;
 }
 
 Tight::Mask Tight::present(const Fix& fix) {

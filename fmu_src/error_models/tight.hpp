@@ -1,8 +1,9 @@
 // Tightly coupled integration, 20 states: the model of Chen 2019, eqs. 1-3.
 //
 // Misalignment, velocity and position errors move by the equations of navigation_error.hpp, which Chen 2019
-// lists in the other order; gyro errors are a constant and a first-order Markov process, accelerometer errors
-// a constant, the receiver's clock a bias and a drift in units of range. Errors are computed (measured) minus
+// lists in the other order; gyro errors are a constant (or a random walk) and a first-order Markov process,
+// accelerometer errors a constant (or a random walk), the receiver's clock a bias b and a drift d in units of
+// range, b' = d + w_b, d' = w_d. Errors are computed (measured) minus
 // true. For satellite s with position r_s, velocity v_s in Earth-fixed axes, and the antenna at r, v:
 //
 //     pseudorange  |r_s - r| + clock bias
@@ -11,6 +12,16 @@
 // the true r and v being those of the mechanisation less their errors. Lines of sight are resolved in ENU at
 // the mechanised antenna. The distance is taken in Earth-fixed axes at the time of the fix: a receiver's
 // satellite positions must be corrected for the signal's travel time beforehand.
+//
+// Chen 2019, eq. 2, has a nonlinear f, which it does not print. `Propagation::nonlinear` is that of the
+// mechanisation, without approximation for errors of any size: with C = C_n^{n'} = exp(-phi x), primes on
+// what is computed, and what is true at the position and velocity that the errors leave,
+//
+//     phi' = J_r(phi)^-1 (w_in' - C w_in - C_b^{n'} (eps_b + eps_r))
+//     dv'  = f' - C^T (f' - C_b^{n'} nabla) + g' - g - (2 w_ie' + w_en') x v' + (2 w_ie + w_en) x v
+//     dp'  = dv - w_en x dp + (T dp) x v
+//
+// `Propagation::linear` is its first order, F, which is also the Jacobian of the linearised predictor.
 #pragma once
 
 #include <array>
@@ -26,7 +37,7 @@ class Tight {
         kPhi = navigation_error::kPhi,            // misalignment [rad]
         kVelocity = navigation_error::kVelocity,  // [m/s]
         kPosition = navigation_error::kPosition,  // [m]
-        kGyro = 9,                                // eps_b, constant, body [rad/s]
+        kGyro = 9,                                // eps_b, body [rad/s]
         kGyroMarkov = 12,                         // eps_r, body [rad/s]
         kAccelerometer = 15,                      // nabla, body [m/s2]
         kClockBias = 18,                          // [m]
@@ -39,19 +50,27 @@ class Tight {
     using Mask = Eigen::Array<bool, kMeasurements, 1>;
 
     struct Noise {
-        double angle_random_walk = 0.0;        // gyro [rad/s^0.5]
-        double velocity_random_walk = 0.0;     // accelerometer [m/s^1.5]
-        double gyro_markov_sigma = 0.0;        // stationary [rad/s]
-        double gyro_markov_time = 3600.0;      // [s]
-        double clock_bias_random_walk = 0.0;   // [m/s^0.5]
-        double clock_drift_random_walk = 0.0;  // [m/s^1.5]
-        double pseudorange_sigma = 0.0;        // [m]
-        double range_rate_sigma = 0.0;         // [m/s]
+        double angle_random_walk = 0.0;          // gyro [rad/s^0.5]
+        double velocity_random_walk = 0.0;       // accelerometer [m/s^1.5]
+        double gyro_random_walk = 0.0;           // of eps_b [rad/s^1.5]; 0: constant
+        double gyro_markov_sigma = 0.0;          // of eps_r, stationary [rad/s]
+        double gyro_markov_time = 3600.0;        // [s]
+        double accelerometer_random_walk = 0.0;  // of nabla [m/s^2.5]; 0: constant
+        double clock_bias_random_walk = 0.0;     // [m/s^0.5]
+        double clock_drift_random_walk = 0.0;    // [m/s^1.5]
+        double pseudorange_sigma = 0.0;          // [m]
+        double range_rate_sigma = 0.0;           // [m/s]
     };
+
+    // How states and deviations move between fixes.
+    enum class Propagation { linear, nonlinear };
 
     // The trusted velocity is that of the mechanisation less the estimate of its error.
     struct Interval : NavigationInterval {
         Interval(const IntervalAverage& average, const earth::Position& position, const State& x);
+
+        earth::Position computed_position;
+        Eigen::Vector3d computed_velocity;  // [m/s]
     };
 
     struct Channel {
@@ -70,6 +89,7 @@ class Tight {
         Antenna antenna;
     };
 
+    Propagation propagation = Propagation::linear;
     Discretisation discretisation = Discretisation::runge_kutta;
     Noise noise{};
 
@@ -77,7 +97,23 @@ class Tight {
 
     template <int Count>
     void propagate(State& x, Points<kStates, Count>& deviations, const Interval& interval) const {
-        propagate_linearly(*this, x, deviations, interval);
+        if (propagation == Propagation::linear) {
+            propagate_linearly(*this, x, deviations, interval);
+        } else {
+            propagate_vectors(*this, x, deviations, interval);
+        }
+    }
+
+    // Noise adds to what moves linearly.
+    template <int Count>
+    void propagate(State& x, Points<kStates, Count>& deviations, const Points<kStates, Count>& noise,
+                   const Interval& interval) const {
+        if (propagation == Propagation::linear) {
+            propagate_linearly(*this, x, deviations, interval);
+            deviations += noise;
+        } else {
+            propagate_vectors(*this, x, deviations, noise, interval);
+        }
     }
 
     [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const {
@@ -97,18 +133,30 @@ class Tight {
     template <class Set>
     [[nodiscard]] static auto predicted(const State& x, const Set& deviations, const Fix& fix);
 
-    // F of x' = F x.
+    // The nonlinear dx/dt of every column of x.
+    template <class Set>
+    [[nodiscard]] Set rate(const Set& x, const Interval& interval) const {
+        Set rate;
+        for (int i = 0; i < Set::ColsAtCompileTime; ++i) {
+            rate.col(i) = rate_of(x.col(i), interval);
+        }
+        return rate;
+    }
+
+    // F of the linear x' = F x.
     [[nodiscard]] Matrix<kStates> jacobian(const State& x, const Interval& interval) const;
 
     // The navigation state corrected by the estimate.
     [[nodiscard]] static NavigationState corrected(const NavigationState& computed, const State& x);
 
-    // What the estimate becomes when `corrected` and the constant biases have been fed back (Markov process
+    // What the estimate becomes when `corrected` and the biases have been fed back (Markov process
     // and clock stay in the filter), and the Jacobian of the remaining errors with respect to the errors.
     [[nodiscard]] static State remaining(const State& x);
     [[nodiscard]] static Matrix<kStates> reset_jacobian(const State& x);
 
   private:
+    [[nodiscard]] State rate_of(const State& x, const Interval& interval) const;
+
     // From the antenna to a satellite, ENU at the mechanised antenna.
     struct Sight {
         Eigen::Vector3d line;      // [m]

@@ -9,16 +9,30 @@
 
 namespace truenorth {
 
-// Moves the centre x and every deviation from it.
+// Moves the centre x and every deviation from it at the given rate of points.
+template <class Model, class Set, class Rate>
+void propagate_at(const Rate& rate, const Model& model, typename Model::State& x, Set& deviations,
+                  double dt) {
+    const Set start = deviations.colwise() + x;
+    const Set end = integrate(start, rate, dt, model.discretisation);
+    x = end.col(0);
+    deviations = end.colwise() - x;
+}
+
 template <class Model, class Set>
 void propagate_vectors(const Model& model, typename Model::State& x, Set& deviations,
                        const typename Model::Interval& interval) {
-    const Set start = deviations.colwise() + x;
-    const Set end = integrate(
-        start, [&](const Set& points) { return model.rate(points, interval); }, interval.dt,
-        model.discretisation);
-    x = end.col(0);
-    deviations = end.colwise() - x;
+    const auto rate = [&](const Set& points) { return model.rate(points, interval); };
+    propagate_at(rate, model, x, deviations, interval.dt);
+}
+
+// The same with a noise that acts on each point, spread evenly over the interval.
+template <class Model, class Set>
+void propagate_vectors(const Model& model, typename Model::State& x, Set& deviations, const Set& noise,
+                       const typename Model::Interval& interval) {
+    const Set drive = noise / interval.dt;
+    const auto rate = [&](const Set& points) { return Set(model.rate(points, interval) + drive); };
+    propagate_at(rate, model, x, deviations, interval.dt);
 }
 
 template <class Model>

@@ -1,10 +1,14 @@
 // Predictor of the augmented unscented Kalman filter, Chen 2019, eqs. 8-25, and Jing 2023, eqs. 8-11,
 // 13, 14: the noise is part of the state and has sigma points of its own.
 //
-// A noise point is the propagated centre plus its noise, because the noise of our models is additive in the
-// deviation; so it need not pass through the model. Its plus and minus leave the mean alone, and their
-// squares recover the covariance. The result differs from the simplified filter only by the distance of the
-// points, alpha sqrt(n + q + kappa) for alpha sqrt(n + kappa): it is the same number for kappa less by q.
+// A noise point is moved by the model with its noise inside the interval, X = f(X, W) (Chen 2019, eq. 16,
+// Jing 2023, eq. 13): a noisy gyro tilts the platform while it goes on integrating, so that the velocity has
+// a share of it by the end of the interval. The simplified filter adds Q when the interval is over.
+//
+// Where the noise adds to the moved state, as in a linear model, a noise point is the moved centre plus its
+// noise and need not be moved: its plus and minus leave the mean alone, and their squares recover Q. The
+// result then differs from the simplified filter only by the distance of the points, alpha sqrt(n + q +
+// kappa) for alpha sqrt(n + kappa): it is the same number for kappa less by q.
 //
 // The points are drawn anew between the phases, as process noise cannot act on a measurement otherwise than
 // through the state: n + q in the first phase and n + m in the second, where Chen 2019 keeps n + q + m in
@@ -26,12 +30,16 @@ class Augmented {
                        const typename M::Interval& interval) const {
         constexpr int n = M::kStates;
         const SigmaPoints points(parameters_, 2 * n);
-        const auto root = square_root<n>(model.process_noise(state, interval));
-        if (!root.valid) {
-            return Prediction::failed;
+        if constexpr (NoiseInside<M>) {
+            return points.predict_with_noise(model, state, covariance, interval);
+        } else {
+            const auto root = square_root<n>(model.process_noise(state, interval));
+            if (!root.valid) {
+                return Prediction::failed;
+            }
+            return points.predict(model, state, covariance, interval,
+                                  points.recovered<n>(points.around<n>(root.factor)));
         }
-        return points.predict(model, state, covariance, interval,
-                              points.recovered<n>(points.around<n>(root.factor)));
     }
 
     // Linear measurements need no points.

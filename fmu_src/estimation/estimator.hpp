@@ -46,13 +46,11 @@ class Estimator {
     }
 
     // The estimate has been fed back to what it is an error of; what remains of it is what the model says, or
-    // zero.
-    void reset()
-        requires Resettable<M>;
+    // zero. Nothing happens to a model that is not Resettable: it estimates no error.
+    void reset();
 
-    // Of the errors that remain when the estimate is taken out.
-    [[nodiscard]] Matrix<kStates> covariance_of_remaining() const
-        requires Resettable<M>;
+    // Of the errors that remain when the estimate is taken out; of a model that is not Resettable nothing is.
+    [[nodiscard]] Matrix<kStates> covariance_of_remaining() const;
 
     template <class Archive>
     void serialize(Archive& archive) {
@@ -60,7 +58,8 @@ class Estimator {
     }
 };
 
-// Not in the class, so that a model's estimator can be compiled once, in a file of its own.
+// Not in the class, so that a model's estimator can be compiled once, in a file of its own. Nor are members
+// constrained: clang before 16 instantiates them all, whatever their constraints say.
 
 template <ErrorModel M>
 Prediction Estimator<M>::predict(const typename M::Interval& interval) {
@@ -75,25 +74,27 @@ auto Estimator<M>::innovate(const typename M::Fix& fix) const -> Innovation<kSta
 }
 
 template <ErrorModel M>
-void Estimator<M>::reset()
-    requires Resettable<M>
-{
-    covariance = covariance_of_remaining();
-    if constexpr (requires { model.remaining(state); }) {
-        state = model.remaining(state);
-    } else {
-        state = M::State::Zero();
+void Estimator<M>::reset() {
+    if constexpr (Resettable<M>) {
+        covariance = covariance_of_remaining();
+        if constexpr (requires { model.remaining(state); }) {
+            state = model.remaining(state);
+        } else {
+            state = M::State::Zero();
+        }
     }
 }
 
 template <ErrorModel M>
-auto Estimator<M>::covariance_of_remaining() const -> Matrix<kStates>
-    requires Resettable<M>
-{
-    const Matrix<kStates> G = model.reset_jacobian(state);
-    Matrix<kStates> remaining = G * covariance * G.transpose();
-    symmetrise(remaining);
-    return remaining;
+auto Estimator<M>::covariance_of_remaining() const -> Matrix<kStates> {
+    if constexpr (Resettable<M>) {
+        const Matrix<kStates> G = model.reset_jacobian(state);
+        Matrix<kStates> remaining = G * covariance * G.transpose();
+        symmetrise(remaining);
+        return remaining;
+    } else {
+        return covariance;
+    }
 }
 
 }  // namespace truenorth

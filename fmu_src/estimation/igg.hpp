@@ -5,12 +5,21 @@
 //         k0 / u ((k1 - u) / (k1 - k0))^2       k0 < u <= k1      u_i = |v_i| / sqrt(S_ii)
 //         0                                     k1 < u
 //
-// R_i becomes R_i / w_i, and a channel with w = 0 is removed as if it had not been measured. Misprints of
-// Chen 2019: eq. 28 has the factor k0 / |v| twice; eq. 29 inflates by 0 above k1, which makes a gross error a
-// perfect measurement; eq. 27 standardises a channel by the mean of the others, metres by metres per second,
-// and so rejects in most clean epochs; eq. 30 applies the factor to the whole covariance of the innovation,
-// whose other part, H P H^T, an outlier does not make less certain. There is no form `printed`: with eq. 29 a
-// gross error would do the more harm the larger it is.
+// R_i becomes R_i / w_i, and a channel with w = 0 is removed as if it had not been measured.
+//
+// Misprints of Chen 2019: eq. 28 has the factor k0 / |v| twice; eq. 29 inflates by 0 above k1, which makes a
+// gross error a perfect measurement; eq. 27 standardises a channel by the mean of the others, metres by
+// metres per second; eq. 30 applies the factor to the whole covariance of the innovation, whose other part, H
+// P H^T, an outlier does not make less certain. The form `printed` is all of that, for comparison: with
+//
+//     D_i = |v_i| / mean of |v_j|, j != i                                                     (eq. 27)
+//     lambda_i = 1                                        D_i <= k0
+//                D_i / k0 ((k1 - k0) / (k1 - D_i))^2      k0 < D_i <= k1                      (eq. 29)
+//                0                                        k1 < D_i
+//
+// the diagonal of S becomes lambda_i S_ii (eq. 30), in epochs in which some v_i^2 > 3^2 S_ii (eq. 26, whose
+// factor is 2.3 to 4.3), else nothing happens. Where lambda_i S_ii is less than (H P H^T)_ii, as it is for 0,
+// no noise is left: the update takes the error at its word. No guard stands behind it.
 //
 // The paper then draws the sigma points anew (eq. 31); with additive noise a new R changes S alone, so
 // nothing is drawn here. Its k0 is 1.0-1.5 and its k1 2.5-8: k0 = 1.5 takes weight from one sound channel in
@@ -18,6 +27,7 @@
 // as bad. For the default of 2.5 it is one channel in eighty; k1 = 8 is the upper end.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "estimation/adaptive_factor.hpp"
@@ -29,6 +39,9 @@ namespace truenorth {
 template <int N>
 class Igg {
   public:
+    enum class Form { corrected, printed };
+
+    Form form = Form::corrected;
     double k0 = 2.5;
     double k1 = 8.0;
 
@@ -47,8 +60,20 @@ class Igg {
         return u < k1 ? k0 / u * slope * slope : 0.0;
     }
 
+    // lambda of eq. 29 for D of eq. 27.
+    [[nodiscard]] double printed_factor(double d) const {
+        if (d <= k0) {
+            return 1.0;
+        }
+        const double slope = (k1 - k0) / (k1 - d);
+        return d < k1 ? d / k0 * slope * slope : 0.0;
+    }
+
     template <int M>
     Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
+        if (form == Form::printed) {
+            return correct_as_printed(prior, innovation);
+        }
         const Vector<M> weights = innovation.standardised().unaryExpr([this](double u) { return weight(u); });
         const bool bad = (weights.array() < 1.0).any();
         if (!bad) {
@@ -64,11 +89,7 @@ class Igg {
             if (weights(i) == 0.0) {
                 used.remove(i);
             } else {
-                // Covariances of the noise grow with its standard deviations; correlations stay what they
-                // are.
-                const double growth = 1.0 / std::sqrt(weights(i));
-                used.noise.row(i) *= growth;
-                used.noise.col(i) *= growth;
+                inflate(used, i, 1.0 / std::sqrt(weights(i)));
             }
         }
         Correction<N, M> correction = Standard().correct(prior, used);
@@ -84,6 +105,41 @@ class Igg {
     }
 
   private:
+    static constexpr double kDetection = 3.0;  // sigma_m of eq. 26
+    static constexpr double kExact = 1e-6;     // of the noise, left of it where eq. 30 leaves none or less
+
+    // Covariances of the noise grow with its standard deviations; correlations stay what they are.
+    template <int M>
+    static void inflate(Innovation<N, M>& innovation, int channel, double growth) {
+        innovation.noise.row(channel) *= growth;
+        innovation.noise.col(channel) *= growth;
+    }
+
+    template <int M>
+    [[nodiscard]] Correction<N, M> correct_as_printed(const Matrix<N>& prior,
+                                                      const Innovation<N, M>& innovation) const {
+        Innovation<N, M> used = innovation;
+        Vector<M> weights = Vector<M>::Ones();
+        if ((innovation.standardised().array() > kDetection).any()) {
+            const double sum = innovation.residual.cwiseAbs().sum();
+            const int others = innovation.channels() - 1;
+            for (int i = 0; i < M; ++i) {
+                const double size = std::abs(innovation.residual(i));
+                const double R = innovation.noise(i, i);
+                const double spread = innovation.spread(i, i);
+                // Alone, a channel has no mean of the others to stand out from; an absent one has no error.
+                const double lambda =
+                    others > 0 && size > 0.0 ? printed_factor(size * others / (sum - size)) : 1.0;
+                const double factor = (lambda * (spread + R) - spread) / R;
+                inflate(used, i, std::sqrt(std::max(factor, kExact)));
+                weights(i) = 1.0 / std::max(factor, 1.0);
+            }
+        }
+        Correction<N, M> correction = Standard().correct(prior, used);
+        correction.weight = correction.weight.cwiseProduct(weights);
+        return correction;
+    }
+
     int bad_epochs_ = 0;  // consecutive ones, counted up to patience
 };
 

@@ -46,6 +46,19 @@ void move(const M& model, typename M::State& state, const typename M::Interval& 
     }
 }
 
+// A model whose noise does not simply add to the moved state offers this besides, for the noise points of the
+// augmented filter:
+//
+//   propagate(x, D, W, interval)  as propagate(x, D, interval), with the noise w, of the covariance that
+//                              process_noise has, acting inside the interval on each column (W: N x K)
+template <class M>
+concept NoiseInside =
+    ErrorModel<M> && requires(const M& model, typename M::State& state, const typename M::Interval& interval,
+                              Points<M::kStates, 4 * M::kStates + 1>& points,
+                              const Points<M::kStates, 4 * M::kStates + 1>& noise) {
+        { model.propagate(state, points, noise, interval) };
+    };
+
 // A model whose measurement is not linear in the deviation offers this besides, for sigma points:
 //
 //   predicted(x, D, fix)       the deviation of the predicted measurement of retract(x, d) from that of x,

@@ -2,6 +2,7 @@
 // chi-square with as many degrees of freedom as there were channels, if the filter is what it believes to be.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -59,7 +60,8 @@ class NisWindow {
     };
 
     [[nodiscard]] std::int64_t number_of(double time) const {
-        return static_cast<std::int64_t>(std::floor(time * kParts / length));
+        constexpr double most = 0x1p62;  // of any clock; a number beyond has no integer
+        return static_cast<std::int64_t>(std::clamp(std::floor(time * kParts / length), -most, most));
     }
 
     [[nodiscard]] Part total(double now) const {

@@ -79,14 +79,27 @@ class SigmaPoints {
         points.template rightCols<2 * n>() = around<n>(root.factor);
         model.propagate(state, points, interval);
 
-        const auto deviations = points.template rightCols<2 * n>();
-        const Vector<n> m = mean<n>(deviations);
-        covariance = this->covariance<n>(Q, deviations, m);
-        state = model.retract(state, m);
-        if (!covariance.allFinite()) {
+        return concluded<M>(model, state, covariance, points.template rightCols<2 * n>(), Q, root.repaired);
+    }
+
+    // The same, of points of which half are moved by the noise alone, inside the interval.
+    template <NoiseInside M>
+    Prediction predict_with_noise(const M& model, typename M::State& state, Matrix<M::kStates>& covariance,
+                                  const typename M::Interval& interval) const {
+        constexpr int n = M::kStates;
+        const auto root = square_root<n>(covariance);
+        const auto root_of_noise = square_root<n>(model.process_noise(state, interval));
+        if (!root.valid || !root_of_noise.valid) {
             return Prediction::failed;
         }
-        return root.repaired ? Prediction::repaired : Prediction::sound;
+        using Set = Points<n, 4 * n + 1>;
+        Set points = Set::Zero();
+        Set noise = Set::Zero();
+        points.template middleCols<2 * n>(1) = around<n>(root.factor);
+        noise.template rightCols<2 * n>() = around<n>(root_of_noise.factor);
+        model.propagate(state, points, noise, interval);
+        return concluded<M>(model, state, covariance, points.template rightCols<4 * n>(), Matrix<n>::Zero(),
+                            root.repaired);
     }
 
     // Second phase, for a measurement that is not linear. The points are drawn anew from the covariance, so
@@ -110,6 +123,20 @@ class SigmaPoints {
     }
 
   private:
+    // State and covariance from where the points have come to, relative to their centre, which is in `state`.
+    template <ErrorModel M, class Set>
+    Prediction concluded(const M& model, typename M::State& state, Matrix<M::kStates>& covariance,
+                         const Set& deviations, const Matrix<M::kStates>& Q, bool repaired) const {
+        constexpr int n = M::kStates;
+        const Vector<n> m = mean<n>(deviations);
+        covariance = this->covariance<n>(Q, deviations, m);
+        state = model.retract(state, m);
+        if (!covariance.allFinite()) {
+            return Prediction::failed;
+        }
+        return repaired ? Prediction::repaired : Prediction::sound;
+    }
+
     double distance_;
     double weight_;
     double weight_of_mean_;

@@ -17,8 +17,9 @@
 // No estimate is believed that is more than `limit` times off the nominal sigma: beyond it innovations are
 // large for another reason, such as a prediction that has gone astray, and shall show.
 //
-// A channel starts with the nominal R of its first epoch, as sure as kConfidence says; correlations of the
-// nominal R are left out. A channel that is absent learns nothing, and nothing is forgotten of it. The
+// A channel starts with the nominal R of its first epoch, or with a variance that is given, as sure as
+// 2 start_a epochs make it (Jing 2023, eq. 19: a = 1, b = 0.1 m2/s2 and 2 m2); correlations of the nominal R
+// are left out. A channel that is absent learns nothing, and nothing is forgotten of it. The
 // corrector is the standard one, with R as given, for 0 iterations.
 #pragma once
 
@@ -34,12 +35,12 @@ class VariationalBayes {
   public:
     enum class Form { corrected, printed };
 
-    static constexpr double kConfidence = 1.0;  // a of a channel that starts, as in Jing 2023, eq. 19
-
     double rho = 0.95;
     double limit = 10.0;  // of the form `corrected`
     int iterations = 3;
     Form form = Form::corrected;
+    double start_a = 1.0;
+    Vector<M> start_variance = Vector<M>::Zero();  // b / a of a channel that starts; 0: the nominal R
 
     template <int N>
     Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
@@ -49,8 +50,9 @@ class VariationalBayes {
         const auto& present = innovation.present;
         const Array nominal = innovation.noise.diagonal();
         const Mask starts = present && a_ == 0.0;
-        a_ = starts.select(kConfidence, a_);
-        b_ = starts.select(kConfidence * nominal, b_);
+        const Array start = (start_variance.array() > 0.0).select(start_variance.array(), nominal);
+        a_ = starts.select(start_a, a_);
+        b_ = starts.select(start_a * start, b_);
 
         const bool printed = form == Form::printed;
         const Array a = (printed ? 1.0 : rho) * a_ + 0.5;

@@ -14,6 +14,7 @@
 #include "fmi/fmu.hpp"
 #include "fmi/instance.hpp"
 #include "fmi/refusal.hpp"
+#include "fmi/start_values.hpp"
 
 namespace truenorth::fmi {
 
@@ -56,12 +57,23 @@ std::span<T> array(T* pointer, std::size_t size, const char* name) {
 // How a tool asks for an instance, in the words of its FMI version.
 struct Request {
     const char* function;
-    Kind kind;
+    Use use;
     const char* instance_name;
     const char* token_name;  // of the argument that names the build
     const char* token;
+    const char* resources;  // URI or path of the folder; may be NULL
     bool logging;
 };
+
+inline StartValues start_values(const Request& request, std::string_view guid) {
+    const std::string_view given = request.token == nullptr ? "NULL" : request.token;
+    if (!given.starts_with(guid)) {
+        throw Refusal(std::string(request.token_name) + " = " + std::string(given) + ": this FMU is " +
+                      std::string(guid) + "; modelDescription.xml and the binary belong to different builds");
+    }
+    return StartValues::marked(given.substr(guid.size()),
+                               folder_of(request.resources == nullptr ? "" : request.resources));
+}
 
 // nullptr, and a line of the log, when `check` or the request itself is at fault.
 template <class Check>
@@ -73,13 +85,9 @@ Instance* instantiate(const Request& request, const Journal::Sink& sink, Check c
             if (request.instance_name == nullptr || *request.instance_name == '\0') {
                 throw Refusal("instanceName is NULL or empty");
             }
-            const std::string given = request.token == nullptr ? "NULL" : request.token;
-            if (given != fmu.identity.guid) {
-                throw Refusal(std::string(request.token_name) + " = " + given + ": this FMU is " +
-                              fmu.identity.guid +
-                              "; modelDescription.xml and the binary belong to different builds");
-            }
-            return std::make_unique<Instance>(fmu, request.kind, sink, request.logging).release();
+            return std::make_unique<Instance>(fmu, request.use, sink, request.logging,
+                                              start_values(request, fmu.identity.guid))
+                .release();
         } catch (const std::exception& reason) {
             Journal(sink, fmu.log, false).error(std::string(request.function) + ": " + reason.what());
         }

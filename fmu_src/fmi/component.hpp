@@ -1,14 +1,14 @@
 // A component as the FMI layer sees it: scalars by reference, a clock, and its complete state as bytes.
 #pragma once
 
-#include <cereal/archives/binary.hpp>
 #include <functional>
-#include <iosfwd>
 #include <memory>
 #include <span>
-#include <variant>
+#include <string>
+#include <vector>
 
 #include "components/log.hpp"
+#include "fmi/archive.hpp"
 #include "fmi/variable.hpp"
 
 namespace truenorth::fmi {
@@ -22,26 +22,16 @@ class Component {
     Component& operator=(Component&&) = delete;
     virtual ~Component() = default;
 
-    // Number of scalars; their references count from 0.
-    [[nodiscard]] virtual unsigned size() const = 0;
-    // nullptr: there is no such reference.
-    [[nodiscard]] virtual const Variable* find(unsigned reference) const = 0;
-
-    // The reference must exist and have the type; to be set, it must not be an output.
-    virtual void get(unsigned reference, double& value) const = 0;
-    virtual void get(unsigned reference, int& value) const = 0;
-    virtual void get(unsigned reference, bool& value) const = 0;
-    virtual void set(unsigned reference, double value) = 0;
-    virtual void set(unsigned reference, int value) = 0;
-    virtual void set(unsigned reference, bool value) = 0;
+    // Its scalars; a reference is the number of one, from 0.
+    [[nodiscard]] std::span<const Cell> cells() const { return cells_; }
 
     virtual void initialise(double start_time) = 0;
     virtual void step(double time, double size) = 0;
     // Time between two samples [s], once the parameters are set: that of the time events in model exchange.
     [[nodiscard]] virtual double sample_period() const = 0;
 
-    virtual void save(std::ostream& stream) const = 0;
-    virtual void load(std::istream& stream) = 0;
+    virtual void save(StateWriter& archive) const = 0;
+    virtual void load(StateReader& archive) = 0;
 
     // Lets `change` set tunable parameters; if the component refuses the result, every parameter
     // is what it was and the refusal is thrown on. Takes any callable without allocating.
@@ -49,6 +39,9 @@ class Component {
     void retune(Change change) {
         retune_with(std::ref(change));
     }
+
+  protected:
+    std::vector<Cell> cells_;
 
   private:
     virtual void retune_with(std::function<void()> change) = 0;
@@ -60,20 +53,12 @@ template <class C>
 class TabledComponent final : public Component {
   public:
     TabledComponent(std::span<const Row<C>> table, double period, Log& log)
-        : table_(table), period_(period), component_(log) {}
-
-    [[nodiscard]] unsigned size() const override { return static_cast<unsigned>(table_.size()); }
-
-    [[nodiscard]] const Variable* find(unsigned reference) const override {
-        return reference < table_.size() ? &table_[reference].variable : nullptr;
+        : period_(period), component_(log) {
+        cells_.reserve(table.size());
+        for (const Row<C>& row : table) {
+            cells_.push_back({.variable = row.variable, .address = row.address(component_)});
+        }
     }
-
-    void get(unsigned reference, double& value) const override { value = read<double>(reference); }
-    void get(unsigned reference, int& value) const override { value = read<int>(reference); }
-    void get(unsigned reference, bool& value) const override { value = read<bool>(reference); }
-    void set(unsigned reference, double value) override { write(reference, value); }
-    void set(unsigned reference, int value) override { write(reference, value); }
-    void set(unsigned reference, bool value) override { write(reference, value); }
 
     void initialise(double start_time) override { component_.initialise(start_time); }
     void step(double time, double size) override { component_.step(time, size); }
@@ -86,21 +71,10 @@ class TabledComponent final : public Component {
         }
     }
 
-    void save(std::ostream& stream) const override { cereal::BinaryOutputArchive{stream}(component_); }
-
-    void load(std::istream& stream) override { cereal::BinaryInputArchive{stream}(component_); }
+    void save(StateWriter& archive) const override { archive(component_); }
+    void load(StateReader& archive) override { archive(component_); }
 
   private:
-    template <class T>
-    [[nodiscard]] T read(unsigned reference) const {
-        return std::get<Access<C, T>>(table_[reference].access).get(component_);
-    }
-
-    template <class T>
-    void write(unsigned reference, T value) {
-        std::get<Access<C, T>>(table_[reference].access).set(component_, value);
-    }
-
     void retune_with(std::function<void()> change) override {
         const auto before = component_.parameters;
         change();
@@ -113,7 +87,6 @@ class TabledComponent final : public Component {
         }
     }
 
-    std::span<const Row<C>> table_;
     double period_;
     C component_;
 };

@@ -25,7 +25,7 @@ template <class T, class External>
 fmi2Status get(fmi2Component component, const char* function, const fmi2ValueReference* references,
                std::size_t count, External* values) noexcept {
     return guarded(component, function, [&](Instance& instance) {
-        instance.get<T>(array(references, count, "vr"), array(values, count, "value"));
+        instance.get<T>(array(references, count, "vr"), Reach::scalar, array(values, count, "value"));
     });
 }
 
@@ -33,7 +33,7 @@ template <class T, class External>
 fmi2Status set(fmi2Component component, const char* function, const fmi2ValueReference* references,
                std::size_t count, const External* values) noexcept {
     return guarded(component, function, [&](Instance& instance) {
-        instance.set<T>(array(references, count, "vr"), array(values, count, "value"));
+        instance.set<T>(array(references, count, "vr"), Reach::scalar, array(values, count, "value"));
     });
 }
 
@@ -72,18 +72,21 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, co
 
 // ------------------------------------------------------------------ life of an instance
 
-fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String /*resources*/,
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions* functions, fmi2Boolean /*visible*/,
                               fmi2Boolean logging) {
     if (functions == nullptr || functions->logger == nullptr) {
         return nullptr;
     }
-    const Request request{.function = "fmi2Instantiate",
-                          .kind = type == fmi2ModelExchange ? Kind::model_exchange : Kind::co_simulation,
-                          .instance_name = name,
-                          .token_name = "fmuGUID",
-                          .token = guid,
-                          .logging = logging != fmi2False};
+    const Request request{
+        .function = "fmi2Instantiate",
+        .use = {.fmi_version = 2,
+                .kind = type == fmi2ModelExchange ? Kind::model_exchange : Kind::co_simulation},
+        .instance_name = name,
+        .token_name = "fmuGUID",
+        .token = guid,
+        .resources = resources,
+        .logging = logging != fmi2False};
     try {
         return instantiate(request, sink_of(*functions, name == nullptr ? "" : name), [] {});
     } catch (...) {  // no memory for the name

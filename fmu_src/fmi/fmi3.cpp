@@ -39,20 +39,12 @@ fmi3Status no_states(fmi3Instance handle, const char* function, std::size_t coun
     return guarded(handle, function, [&](Instance& instance) { instance.require_none(count); });
 }
 
-void require_count(std::size_t given, std::size_t needed) {
-    if (given != needed) {
-        throw Refusal("nValues = " + std::to_string(given) + ": the variables have " +
-                      std::to_string(needed) + " elements");
-    }
-}
-
 template <class T, class External>
 fmi3Status get(fmi3Instance handle, const char* function, const fmi3ValueReference* references,
                std::size_t count, External* values, std::size_t size) noexcept {
     return guarded(handle, function, [&](Instance& instance) {
-        const auto scalars = instance.scalars(array(references, count, "valueReferences"));
-        require_count(size, scalars.size());
-        instance.get<T>(scalars, array(values, size, "values"));
+        instance.get<T>(array(references, count, "valueReferences"), Reach::variable,
+                        array(values, size, "values"));
     });
 }
 
@@ -60,8 +52,6 @@ template <class T, class External>
 fmi3Status set(fmi3Instance handle, const char* function, const fmi3ValueReference* references,
                std::size_t count, const External* values, std::size_t size) noexcept {
     return guarded(handle, function, [&](Instance& instance) {
-        const auto scalars = instance.scalars(array(references, count, "valueReferences"));
-        require_count(size, scalars.size());
         const auto given = array(values, size, "values");
         if constexpr (std::is_integral_v<External> && sizeof(External) > sizeof(T)) {
             for (const External value : given) {
@@ -70,7 +60,7 @@ fmi3Status set(fmi3Instance handle, const char* function, const fmi3ValueReferen
                 }
             }
         }
-        instance.set<T>(scalars, given);
+        instance.set<T>(array(references, count, "valueReferences"), Reach::variable, given);
     });
 }
 
@@ -121,29 +111,31 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count, con
 
 // ------------------------------------------------------------------ life of an instance
 
-fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String /*resources*/,
+fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
                                           fmi3Boolean /*visible*/, fmi3Boolean logging,
                                           fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) {
     const Request request{.function = "fmi3InstantiateModelExchange",
-                          .kind = Kind::model_exchange,
+                          .use = {.fmi_version = 3, .kind = Kind::model_exchange},
                           .instance_name = name,
                           .token_name = "instantiationToken",
                           .token = token,
+                          .resources = resources,
                           .logging = logging};
     return instantiated(request, log, environment, [] {});
 }
 
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String /*resources*/,
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
                                          fmi3Boolean /*visible*/, fmi3Boolean logging, fmi3Boolean event_mode,
                                          fmi3Boolean /*early_return*/,
                                          const fmi3ValueReference /*required*/[], size_t n_required,
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
                                          fmi3IntermediateUpdateCallback /*update*/) {
     const Request request{.function = "fmi3InstantiateCoSimulation",
-                          .kind = Kind::co_simulation,
+                          .use = {.fmi_version = 3, .kind = Kind::co_simulation},
                           .instance_name = name,
                           .token_name = "instantiationToken",
                           .token = token,
+                          .resources = resources,
                           .logging = logging};
     return instantiated(request, log, environment, [&] {
         if (event_mode) {
@@ -155,17 +147,18 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     });
 }
 
-fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String /*resources*/,
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
                                                fmi3Boolean /*visible*/, fmi3Boolean logging,
                                                fmi3InstanceEnvironment environment,
                                                fmi3LogMessageCallback log, fmi3ClockUpdateCallback /*update*/,
                                                fmi3LockPreemptionCallback /*lock*/,
                                                fmi3UnlockPreemptionCallback /*unlock*/) {
     const Request request{.function = "fmi3InstantiateScheduledExecution",
-                          .kind = Kind::co_simulation,
+                          .use = {.fmi_version = 3, .kind = Kind::co_simulation},
                           .instance_name = name,
                           .token_name = "instantiationToken",
                           .token = token,
+                          .resources = resources,
                           .logging = logging};
     return instantiated(request, log, environment, [] {
         throw Refusal("this FMU is for co-simulation and model exchange, not for scheduled execution");

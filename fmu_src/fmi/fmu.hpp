@@ -2,6 +2,7 @@
 // guid.cpp.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "components/log.hpp"
@@ -19,6 +20,14 @@ struct Fmu {
     Identity identity;
     LogCategories log;
     std::unique_ptr<Component> (*make_component)(Log&);
+};
+
+enum class Kind : std::uint8_t { co_simulation, model_exchange };
+
+// What an instance of it is for.
+struct Use {
+    int fmi_version;
+    Kind kind;
 };
 
 [[nodiscard]] Fmu this_fmu();

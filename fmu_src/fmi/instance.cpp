@@ -1,21 +1,23 @@
 #include "fmi/instance.hpp"
 
 #include <algorithm>
-#include <cereal/archives/binary.hpp>
 #include <cereal/types/common.hpp>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include "components/text.hpp"
+#include "fmi/archive.hpp"
 #include "fmi/refusal.hpp"
 #include "fmi/snapshot.hpp"
 
 namespace truenorth::fmi {
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
+// Of any clock that a simulation may have [s]: 300 years, in which a double still tells microseconds.
+constexpr double latest = 1e10;
+// A day [s]: longer steps are a mistake of units, and as good as a hang.
+constexpr double longest_step = 86400.0;
 
 const char* name_of(Phase phase) {
     switch (phase) {
@@ -58,33 +60,54 @@ void require_finite(const char* what, double value) {
     }
 }
 
+void require_time(const char* what, double value) {
+    require_finite(what, value);
+    if (std::abs(value) > latest) {
+        throw Refusal(std::string(what) + " = " + text(value) + ": must be from " + text(-latest) + " to " +
+                      text(latest) + " s");
+    }
+}
+
 }  // namespace
 
-Instance::Instance(const Fmu& fmu, Kind kind, Journal::Sink sink, bool events)
+Instance::Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool events, StartValues start_values)
     : fmu_(fmu),
-      kind_(kind),
+      use_(use),
       journal_(std::move(sink), fmu.log, events),
-      component_(fmu.make_component(journal_)),
-      stop_time_(never) {
-    scalars_.reserve(component_->size() + 1);  // steps allocate nothing
+      start_values_(std::move(start_values)) {
+    begin();
+}
+
+void Instance::begin() {
+    adopt(fmu_.make_component(journal_));
+    start_values_.apply(component_->cells());
+}
+
+void Instance::adopt(std::unique_ptr<Component> component) {
+    component_ = std::move(component);
+    cells_.assign(component_->cells().begin(), component_->cells().end());
+    cells_.push_back(
+        {.variable = {.name = "time", .causality = Causality::output, .type = Type::real, .elements = 1},
+         .address = &progress_.time});
 }
 
 // ------------------------------------------------------------------ order of calls
 
 void Instance::require(Phases allowed) const {
-    if (std::ranges::find(allowed, phase_) != allowed.end()) {
+    if (std::ranges::find(allowed, progress_.phase) != allowed.end()) {
         return;
     }
     std::string list;
     for (const Phase phase : allowed) {
         list += (list.empty() ? "'" : ", '") + std::string(name_of(phase)) + "'";
     }
-    throw Refusal("not allowed in the phase '" + std::string(name_of(phase_)) + "', only in " + list);
+    throw Refusal("not allowed in the phase '" + std::string(name_of(progress_.phase)) + "', only in " +
+                  list);
 }
 
 void Instance::set_up_experiment(double start_time, std::optional<double> stop_time) {
     require({Phase::instantiated});
-    require_finite("start time", start_time);
+    require_time("start time", start_time);
     if (stop_time) {
         require_finite("stop time", *stop_time);
         if (*stop_time < start_time) {
@@ -92,51 +115,54 @@ void Instance::set_up_experiment(double start_time, std::optional<double> stop_t
                           text(start_time));
         }
     }
-    start_time_ = start_time;
-    stop_time_ = stop_time.value_or(never);
-    time_ = start_time;
+    progress_.start_time = start_time;
+    progress_.stop_time = stop_time.value_or(std::numeric_limits<double>::infinity());
+    progress_.time = start_time;
 }
 
 void Instance::enter_initialisation() {
     require({Phase::instantiated});
-    phase_ = Phase::initialising;
-    initialised_ = false;
+    progress_.phase = Phase::initialising;
+    progress_.initialised = false;
 }
 
 void Instance::exit_initialisation() {
     require({Phase::initialising});
     initialise();
-    phase_ = kind_ == Kind::co_simulation ? Phase::stepping : Phase::event;
+    progress_.phase = use_.kind == Kind::co_simulation ? Phase::stepping : Phase::event;
 }
 
 void Instance::initialise() {
-    if (initialised_ || phase_ != Phase::initialising) {
+    if (progress_.initialised || progress_.phase != Phase::initialising) {
         return;
     }
-    component_->initialise(start_time_);
-    initialised_ = true;
-    samples_ = 0;
-    inputs_changed_ = false;
+    component_->initialise(progress_.start_time);
+    progress_.initialised = true;
+    progress_.samples = 0;
+    progress_.inputs_changed = false;
 }
 
 void Instance::step(double time, double size) {
     require({Phase::stepping});
-    require_finite("current communication point", time);
+    require_time("current communication point", time);
     require_finite("step size", size);
     if (size <= 0.0) {
         throw Refusal("step size = " + text(size) + ": must be greater than 0");
     }
-    if (std::abs(time - time_) > tolerance_at(time_)) {
-        throw Refusal("the step begins at " + text(time) + " s, but the last one ended at " + text(time_) +
-                      " s");
+    if (size > longest_step) {
+        throw Refusal("step size = " + text(size) + ": must be at most " + text(longest_step) + " s");
+    }
+    if (std::abs(time - progress_.time) > tolerance_at(progress_.time)) {
+        throw Refusal("the step begins at " + text(time) + " s, but the last one ended at " +
+                      text(progress_.time) + " s");
     }
     const double end = time + size;
-    if (end > stop_time_ + tolerance_at(stop_time_)) {
-        throw Refusal("the step ends at " + text(end) + " s, after the stop time of " + text(stop_time_) +
-                      " s");
+    if (end > progress_.stop_time + tolerance_at(progress_.stop_time)) {
+        throw Refusal("the step ends at " + text(end) + " s, after the stop time of " +
+                      text(progress_.stop_time) + " s");
     }
     advance(time, size);
-    time_ = end;
+    progress_.time = end;
 }
 
 void Instance::advance(double time, double size) {
@@ -145,71 +171,69 @@ void Instance::advance(double time, double size) {
     } catch (const std::invalid_argument&) {  // a step that the component cannot make; nothing has changed
         throw;
     } catch (...) {
-        phase_ = Phase::failed;
+        progress_.phase = Phase::failed;
         throw;
     }
 }
 
 void Instance::terminate() {
     require({Phase::stepping, Phase::event, Phase::continuous, Phase::failed});
-    phase_ = Phase::terminated;
+    progress_.phase = Phase::terminated;
 }
 
 void Instance::reset() {
-    component_ = fmu_.make_component(journal_);
-    phase_ = Phase::instantiated;
-    start_time_ = time_ = 0.0;
-    stop_time_ = never;
-    initialised_ = false;
+    begin();
+    progress_ = {};
 }
 
 // ------------------------------------------------------------------ model exchange
 
 void Instance::enter_event() {
     require({Phase::continuous});
-    phase_ = Phase::event;
+    progress_.phase = Phase::event;
 }
 
 void Instance::enter_continuous() {
     require({Phase::event});
-    phase_ = Phase::continuous;
+    progress_.phase = Phase::continuous;
 }
 
 void Instance::set_time(double time) {
     require({Phase::event, Phase::continuous});
-    require_finite("time", time);
-    const double sampled = start_time_ + static_cast<double>(samples_) * component_->sample_period();
+    require_time("time", time);
+    const double sampled =
+        progress_.start_time + static_cast<double>(progress_.samples) * component_->sample_period();
     if (time < sampled - tolerance_at(sampled)) {
         throw Refusal("time = " + text(time) + " s: must not be before the last time event, at " +
                       text(sampled) + " s");
     }
-    time_ = time;
+    progress_.time = time;
 }
 
 double Instance::next_event() const {
-    return start_time_ + static_cast<double>(samples_ + 1) * component_->sample_period();
+    return progress_.start_time + static_cast<double>(progress_.samples + 1) * component_->sample_period();
 }
 
 bool Instance::completed_integrator_step() const {
     require({Phase::continuous});
-    return time_ >= next_event() - tolerance_at(time_);
+    return progress_.time >= next_event() - tolerance_at(progress_.time);
 }
 
 void Instance::update_discrete_states() {
     require({Phase::event});
     const double event = next_event();
-    if (time_ > event + tolerance_at(event)) {
-        throw Refusal("time = " + text(time_) + " s: the time event at " + text(event) +
+    if (progress_.time > event + tolerance_at(event)) {
+        throw Refusal("time = " + text(progress_.time) + " s: the time event at " + text(event) +
                       " s was missed; the solver must stop at each time event that this FMU announces");
     }
-    if (time_ >= event - tolerance_at(event)) {
+    if (progress_.time >= event - tolerance_at(event)) {
         const double period = component_->sample_period();
         advance(event - period, period);
-        ++samples_;
-    } else if (inputs_changed_) {
-        advance(time_, 0.0);
+        ++progress_.samples;
+    } else if (progress_.inputs_changed) {
+        advance(progress_.time, 0.0);
     }
-    inputs_changed_ = false;
+    progress_.inputs_changed = false;
 }
 
 void Instance::require_none(std::size_t count) const {
@@ -221,61 +245,39 @@ void Instance::require_none(std::size_t count) const {
 
 // ------------------------------------------------------------------ variables
 
-const Variable* Instance::find_variable(unsigned reference) const {
-    static constexpr Variable time{
-        .name = "time", .causality = Causality::output, .type = Type::real, .elements = 1};
-    return reference == component_->size() ? &time : component_->find(reference);
-}
-
-const Variable& Instance::variable(unsigned reference, Type type) const {
-    const Variable* variable = find_variable(reference);
-    if (variable == nullptr) {
-        throw Refusal("there is no variable with the value reference " + std::to_string(reference));
-    }
-    if (variable->type != type) {
-        throw Refusal(std::string(variable->name) + " has the type " + name_of(variable->type) + ", not " +
-                      name_of(type));
-    }
-    return *variable;
-}
-
 bool Instance::any_of(std::span<const unsigned> references, Causality causality) const {
     return std::ranges::any_of(
-        references, [&](unsigned reference) { return find_variable(reference)->causality == causality; });
+        references, [&](unsigned reference) { return cells_[reference].variable.causality == causality; });
 }
 
-void Instance::require_readable(std::span<const unsigned> references, Type type) const {
-    require({Phase::initialising, Phase::stepping, Phase::event, Phase::continuous, Phase::failed,
-             Phase::terminated});
+void Instance::require_values(std::span<const unsigned> references, Reach reach, Type type,
+                              std::size_t count) const {
+    std::size_t needed = 0;
     for (const unsigned reference : references) {
-        static_cast<void>(variable(reference, type));
+        if (reference >= cells_.size()) {
+            throw Refusal("there is no variable with the value reference " + std::to_string(reference));
+        }
+        const Cell& cell = cells_[reference];
+        if (cell.variable.type != type) {
+            throw Refusal(std::string(cell.variable.name) + " has the type " + name_of(cell.variable.type) +
+                          ", not " + name_of(type));
+        }
+        needed += extent(cell, reach);
+    }
+    if (count != needed) {
+        throw Refusal("nValues = " + std::to_string(count) + ": the variables have " +
+                      std::to_string(needed) + " elements");
     }
 }
 
-void Instance::require_settable(std::span<const unsigned> references, Type type) const {
-    require({Phase::instantiated, Phase::initialising, Phase::stepping, Phase::event});
-    for (const unsigned reference : references) {
-        const Variable& candidate = variable(reference, type);
-        if (candidate.causality == Causality::output) {
-            throw Refusal(std::string(candidate.name) + " is an output and cannot be set");
-        }
-        if (candidate.causality == Causality::parameter && running()) {
-            throw Refusal(std::string(candidate.name) +
-                          " is a fixed parameter and cannot change after initialisation");
-        }
+void Instance::require_settable(const Variable& variable) const {
+    if (variable.causality == Causality::output) {
+        throw Refusal(std::string(variable.name) + " is an output and cannot be set");
     }
-}
-
-std::span<const unsigned> Instance::scalars(std::span<const unsigned> variables) {
-    scalars_.clear();
-    for (const unsigned reference : variables) {
-        const Variable* const first = find_variable(reference);
-        const unsigned elements = first == nullptr ? 1 : first->elements;
-        for (unsigned element = 0; element < elements; ++element) {
-            scalars_.push_back(reference + element);
-        }
+    if (variable.causality == Causality::parameter && running()) {
+        throw Refusal(std::string(variable.name) +
+                      " is a fixed parameter and cannot change after initialisation");
     }
-    return scalars_;
 }
 
 // ------------------------------------------------------------------ states
@@ -297,12 +299,11 @@ State* Instance::find(const State* state) const {
 
 State* Instance::save(State* overwritten) {
     State* const reused = overwritten == nullptr ? nullptr : find(overwritten);
-    std::ostringstream stream;
-    cereal::BinaryOutputArchive archive(stream);
-    archive(kind_);
-    component_->save(stream);
-    serialize_progress(archive);
-    std::string bytes = pack(fmu_.identity, stream.str());
+    std::string payload;
+    StateWriter archive(payload);
+    archive(progress_);
+    component_->save(archive);
+    std::string bytes = pack(fmu_.identity, use_, payload);
     if (reused == nullptr) {
         return keep(std::move(bytes));
     }
@@ -310,28 +311,35 @@ State* Instance::save(State* overwritten) {
     return reused;
 }
 
-Kind Instance::kind_of(std::istream& state) {
-    Kind kind{};
-    cereal::BinaryInputArchive{state}(kind);
-    return kind;
-}
-
 State* Instance::import_state(std::span<const char> bytes) {
-    std::istringstream stream(unpack(fmu_.identity, bytes));
-    if (kind_of(stream) != kind_) {
-        throw Refusal("the stored state is one of an instance for the other kind of simulation");
-    }
+    static_cast<void>(unpack(fmu_.identity, use_, bytes));
     return keep({bytes.begin(), bytes.end()});
 }
 
+void Instance::require_possible(const Progress& progress) const {
+    const bool in_its_kind = use_.kind == Kind::co_simulation
+                                 ? progress.phase <= Phase::terminated
+                                 : progress.phase <= Phase::continuous && progress.phase != Phase::stepping;
+    const bool in_time = std::abs(progress.start_time) <= latest && std::abs(progress.time) <= 2.0 * latest &&
+                         progress.stop_time >= progress.start_time;
+    if (!in_its_kind || !in_time) {
+        throw Refusal("the stored state is damaged: its phase or its times are impossible");
+    }
+}
+
 void Instance::restore(const State* state) {
-    std::istringstream stream(unpack(fmu_.identity, find(state)->bytes()));
-    static_cast<void>(kind_of(stream));
+    StateReader archive(unpack(fmu_.identity, use_, find(state)->bytes()));
+    Progress progress;
+    archive(progress);
+    require_possible(progress);
     auto component = fmu_.make_component(journal_);
-    component->load(stream);
-    cereal::BinaryInputArchive archive(stream);
-    serialize_progress(archive);
-    component_ = std::move(component);
+    component->load(archive);
+    archive.finish();
+    if (progress.initialised || progress.phase > Phase::initialising) {
+        component->retune([] {});  // refuses parameters that no initialisation has accepted
+    }
+    adopt(std::move(component));
+    progress_ = progress;
 }
 
 void Instance::release(const State* state) {

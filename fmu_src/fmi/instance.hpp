@@ -9,8 +9,12 @@
 // matter.
 #pragma once
 
+#include <concepts>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,10 +24,9 @@
 #include "fmi/component.hpp"
 #include "fmi/fmu.hpp"
 #include "fmi/journal.hpp"
+#include "fmi/start_values.hpp"
 
 namespace truenorth::fmi {
-
-enum class Kind : std::uint8_t { co_simulation, model_exchange };
 
 // `stepping` belongs to co-simulation, `event` and `continuous` to model exchange.
 enum class Phase : std::uint8_t {
@@ -35,6 +38,9 @@ enum class Phase : std::uint8_t {
     event,
     continuous
 };
+
+// What a reference means: one scalar (FMI 2), or the variable that begins with it, array or scalar (FMI 3).
+enum class Reach : std::uint8_t { scalar, variable };
 
 // A stored state. It belongs to the instance that made it.
 class State {
@@ -48,7 +54,7 @@ class State {
 
 class Instance {
   public:
-    Instance(const Fmu& fmu, Kind kind, Journal::Sink sink, bool events);
+    Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool events, StartValues start_values = {});
 
     void set_up_experiment(double start_time, std::optional<double> stop_time);
     void enter_initialisation();
@@ -69,16 +75,12 @@ class Instance {
     void require_none(std::size_t count) const;
 
     // T is the variables' type here (double, int, bool), External the one of the FMI version.
-    // One value for each reference. All or nothing: values are set only when every one of them may be.
-    // The reference after the last scalar is the time.
+    // All or nothing: values are set only when every one of them may be. The reference after the last scalar
+    // is the time.
     template <class T, class External>
-    void get(std::span<const unsigned> references, std::span<External> values);
+    void get(std::span<const unsigned> references, Reach reach, std::span<External> values);
     template <class T, class External>
-    void set(std::span<const unsigned> references, std::span<const External> values);
-
-    // References of all scalars of the variables that begin with these references, arrays and scalars; valid
-    // until the next call.
-    [[nodiscard]] std::span<const unsigned> scalars(std::span<const unsigned> variables);
+    void set(std::span<const unsigned> references, Reach reach, std::span<const External> values);
 
     // States live until they are released, the instance at most. nullptr is a state that does not exist yet.
     [[nodiscard]] State* save(State* overwritten);
@@ -88,70 +90,113 @@ class Instance {
     [[nodiscard]] std::span<const char> bytes(const State* state) const { return find(state)->bytes(); }
 
     // Time that the last successful step reached.
-    [[nodiscard]] double time() const { return time_; }
+    [[nodiscard]] double time() const { return progress_.time; }
     [[nodiscard]] Journal& journal() { return journal_; }
 
   private:
     using Phases = std::initializer_list<Phase>;
 
     void require(Phases allowed) const;
-    void require_readable(std::span<const unsigned> references, Type type) const;
-    void require_settable(std::span<const unsigned> references, Type type) const;
-    [[nodiscard]] const Variable* find_variable(unsigned reference) const;
-    [[nodiscard]] const Variable& variable(unsigned reference, Type type) const;
+    void require_settable(const Variable& variable) const;
+    // Throws Refusal unless all references are of this type and have so many values.
+    void require_values(std::span<const unsigned> references, Reach reach, Type type,
+                        std::size_t count) const;
+    [[nodiscard]] static std::size_t extent(const Cell& cell, Reach reach) {
+        return reach == Reach::scalar ? 1 : cell.variable.elements;
+    }
     [[nodiscard]] bool any_of(std::span<const unsigned> references, Causality causality) const;
-    [[nodiscard]] bool running() const { return phase_ == Phase::stepping || phase_ == Phase::event; }
+    [[nodiscard]] bool running() const {
+        return progress_.phase == Phase::stepping || progress_.phase == Phase::event;
+    }
     void initialise();
     void advance(double time, double size);
     [[nodiscard]] State* find(const State* state) const;
-    [[nodiscard]] static Kind kind_of(std::istream& state);
     State* keep(std::string bytes);
+    // A new component with the start values.
+    void begin();
+    void adopt(std::unique_ptr<Component> component);
 
-    template <class Archive>
-    void serialize_progress(Archive& archive) {
-        archive(phase_, start_time_, stop_time_, time_, initialised_, samples_, inputs_changed_);
-    }
+    // How far it is.
+    struct Progress {
+        Phase phase = Phase::instantiated;
+        double start_time = 0.0;
+        double stop_time = std::numeric_limits<double>::infinity();  // infinity: not defined
+        double time = 0.0;
+        bool initialised = false;     // the outputs belong to the parameters and inputs that are set
+        std::uint64_t samples = 0;    // time events so far
+        bool inputs_changed = false;  // since the component has looked at them, in model exchange
+
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(phase, start_time, stop_time, time, initialised, samples, inputs_changed);
+        }
+    };
+    void require_possible(const Progress& progress) const;
 
     Fmu fmu_;
-    Kind kind_;
+    Use use_;
     Journal journal_;
+    StartValues start_values_;
     std::unique_ptr<Component> component_;
+    std::vector<Cell> cells_;  // of the component and, as the last one, the time
     std::vector<std::unique_ptr<State>> states_;
-    std::vector<unsigned> scalars_;
-
-    Phase phase_ = Phase::instantiated;
-    double start_time_ = 0.0;
-    double stop_time_ = 0.0;  // infinity: not defined
-    double time_ = 0.0;
-    bool initialised_ = false;     // the outputs belong to the parameters and inputs that are set
-    std::uint64_t samples_ = 0;    // time events so far
-    bool inputs_changed_ = false;  // since the component has looked at them, in model exchange
+    Progress progress_;
 };
 
+// From and to where `count` scalars lie.
 template <class T, class External>
-void Instance::get(std::span<const unsigned> references, std::span<External> values) {
-    require_readable(references, type_of<T>);
-    if (any_of(references, Causality::output)) {
-        initialise();
-    }
-    const unsigned time_reference = component_->size();
-    for (std::size_t i = 0; i < references.size(); ++i) {
-        T value{};
-        if (references[i] == time_reference) {
-            value = static_cast<T>(time_);
-        } else {
-            component_->get(references[i], value);
+void read_cell(const void* cell, External* values, std::size_t count) {
+    if constexpr (std::same_as<T, External>) {
+        std::memcpy(values, cell, count * sizeof(T));
+    } else {
+        for (std::size_t i = 0; i < count; ++i) {
+            values[i] = static_cast<External>(static_cast<const T*>(cell)[i]);
         }
-        values[i] = static_cast<External>(value);
     }
 }
 
 template <class T, class External>
-void Instance::set(std::span<const unsigned> references, std::span<const External> values) {
-    require_settable(references, type_of<T>);
+void write_cell(void* cell, const External* values, std::size_t count) {
+    if constexpr (std::same_as<T, External>) {
+        std::memcpy(cell, values, count * sizeof(T));
+    } else {
+        for (std::size_t i = 0; i < count; ++i) {
+            static_cast<T*>(cell)[i] = static_cast<T>(values[i]);
+        }
+    }
+}
+
+template <class T, class External>
+void Instance::get(std::span<const unsigned> references, Reach reach, std::span<External> values) {
+    require({Phase::initialising, Phase::stepping, Phase::event, Phase::continuous, Phase::failed,
+             Phase::terminated});
+    require_values(references, reach, type_of<T>, values.size());
+    if (progress_.phase == Phase::initialising && any_of(references, Causality::output)) {
+        initialise();
+    }
+    External* next = values.data();
+    for (const unsigned reference : references) {
+        const Cell& cell = cells_[reference];
+        const std::size_t count = extent(cell, reach);
+        read_cell<T>(cell.address, next, count);
+        next += count;
+    }
+}
+
+template <class T, class External>
+void Instance::set(std::span<const unsigned> references, Reach reach, std::span<const External> values) {
+    require({Phase::instantiated, Phase::initialising, Phase::stepping, Phase::event});
+    require_values(references, reach, type_of<T>, values.size());
+    for (const unsigned reference : references) {
+        require_settable(cells_[reference].variable);
+    }
     const auto store = [&] {
-        for (std::size_t i = 0; i < references.size(); ++i) {
-            component_->set(references[i], static_cast<T>(values[i]));
+        const External* next = values.data();
+        for (const unsigned reference : references) {
+            const Cell& cell = cells_[reference];
+            const std::size_t count = extent(cell, reach);
+            write_cell<T>(cell.address, next, count);
+            next += count;
         }
     };
     if (running() && any_of(references, Causality::tunable)) {
@@ -160,9 +205,9 @@ void Instance::set(std::span<const unsigned> references, std::span<const Externa
     }
     store();
     if (running()) {
-        inputs_changed_ = phase_ == Phase::event;
+        progress_.inputs_changed = progress_.phase == Phase::event;
     } else {
-        initialised_ = false;
+        progress_.initialised = false;
     }
 }
 

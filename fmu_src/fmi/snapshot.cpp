@@ -1,91 +1,59 @@
 // Layout: 8 bytes magic, 4 bytes version of the format, 8 bytes checksum of all that follows, then
-// the owner's name, its guid and the payload. The version and the checksum are looked at before anything
-// else, so that nothing is interpreted that was not written here.
+// the owner's name and guid, the FMI version, the kind of simulation, and the payload. The version and the
+// checksum are looked at before anything else, so that nothing is interpreted that was not written here.
 #include "fmi/snapshot.hpp"
 
-#include <array>
-#include <bit>
-#include <cereal/archives/binary.hpp>
+#include <cereal/types/common.hpp>
 #include <cereal/types/string.hpp>
 #include <cstdint>
-#include <sstream>
-#include <string_view>
 
+#include "fmi/archive.hpp"
+#include "fmi/checksum.hpp"
 #include "fmi/refusal.hpp"
 
 namespace truenorth::fmi {
 namespace {
 
 constexpr std::string_view magic = "TNstate\n";
-constexpr std::uint32_t format_version = 1;
+constexpr std::uint32_t format_version = 2;
 
-constexpr std::size_t version_offset = magic.size();
-constexpr std::size_t checksum_offset = version_offset + sizeof(std::uint32_t);
-constexpr std::size_t header_size = checksum_offset + sizeof(std::uint64_t);
-
-// FNV-1a, 64 bits: any single changed byte changes it.
-std::uint64_t checksum_of(std::string_view bytes) {
-    std::uint64_t hash = 0xcbf29ce484222325U;
-    for (const char byte : bytes) {
-        hash ^= static_cast<unsigned char>(byte);
-        hash *= 0x100000001b3U;
-    }
-    return hash;
-}
-
-template <class T>
-using Bytes = std::array<char, sizeof(T)>;
-
-template <class T>
-void append(std::string& bytes, T number) {
-    const auto raw = std::bit_cast<Bytes<T>>(number);
-    bytes.append(raw.begin(), raw.end());
-}
-
-template <class T>
-T number_at(std::size_t offset, std::string_view bytes) {
-    Bytes<T> raw{};
-    bytes.copy(raw.data(), raw.size(), offset);
-    return std::bit_cast<T>(raw);
-}
+const char* name_of(Kind kind) { return kind == Kind::co_simulation ? "co-simulation" : "model exchange"; }
 
 }  // namespace
 
-std::string pack(const Identity& owner, const std::string& payload) {
-    std::ostringstream body;
-    cereal::BinaryOutputArchive{body}(std::string(owner.name), std::string(owner.guid), payload);
-    const std::string content = body.str();
+std::string pack(const Identity& owner, const Use& use, std::string_view payload) {
+    std::string content;
+    StateWriter{content}(std::string(owner.name), std::string(owner.guid), use.fmi_version, use.kind);
+    content += payload;
     std::string bytes(magic);
-    bytes.reserve(header_size + content.size());
-    append(bytes, format_version);
-    append(bytes, checksum_of(content));
+    StateWriter{bytes}(format_version, checksum_of(content));
     return bytes + content;
 }
 
-std::string unpack(const Identity& owner, std::span<const char> bytes) {
+std::string_view unpack(const Identity& owner, const Use& use, std::span<const char> bytes) {
     const std::string_view all(bytes.data(), bytes.size());
     if (!all.starts_with(magic)) {
         throw Refusal("these bytes are not the state of a TrueNorth FMU");
     }
-    if (all.size() < header_size) {
-        throw Refusal("the stored state is truncated");
-    }
-    const auto version = number_at<std::uint32_t>(version_offset, all);
+    StateReader header(all.substr(magic.size()));
+    std::uint32_t version = 0;
+    header(version);
     if (version != format_version) {
         throw Refusal("the stored state has format version " + std::to_string(version) +
                       "; this FMU reads version " + std::to_string(format_version));
     }
-    const auto expected = number_at<std::uint64_t>(checksum_offset, all);
-    const std::string_view content = all.substr(header_size);
-    if (checksum_of(content) != expected) {
+    std::uint64_t checksum = 0;
+    header(checksum);
+    const std::string_view content = header.take(header.left());
+    if (checksum_of(content) != checksum) {
         throw Refusal("the stored state is truncated or corrupt");
     }
 
+    StateReader reader(content);
     std::string name;
     std::string guid;
-    std::string payload;
-    std::istringstream body{std::string(content)};
-    cereal::BinaryInputArchive{body}(name, guid, payload);
+    Use made_for{};
+    reader(name, guid, made_for.fmi_version, made_for.kind);
     if (name != owner.name) {
         throw Refusal("the stored state is one of " + name + "; this is " + owner.name);
     }
@@ -93,7 +61,15 @@ std::string unpack(const Identity& owner, std::span<const char> bytes) {
         throw Refusal("the stored state is one of another build of " + name + " (" + guid + "); this is " +
                       owner.guid);
     }
-    return payload;
+    if (made_for.fmi_version != use.fmi_version) {
+        throw Refusal("the stored state is one of the FMU for FMI " + std::to_string(made_for.fmi_version) +
+                      "; this is the one for FMI " + std::to_string(use.fmi_version));
+    }
+    if (made_for.kind != use.kind) {
+        throw Refusal(std::string("the stored state is one of an instance for ") + name_of(made_for.kind) +
+                      "; this is one for " + name_of(use.kind));
+    }
+    return reader.take(reader.left());
 }
 
 }  // namespace truenorth::fmi

@@ -1,8 +1,9 @@
-// A scalar of a component: its name, who may set it, and how to read and write it. No FMI version.
+// A scalar of a component: its name, who may set it, and where it lies. No FMI version.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
-#include <variant>
+#include <type_traits>
 
 namespace truenorth::fmi {
 
@@ -22,22 +23,33 @@ struct Variable {
     const char* name;
     Causality causality;
     Type type;
-    // Scalars of the array that begins with this one, in the rows that follow; 1: no array, or not its first.
+    // Scalars of the array that begins with this one, which follow it in the table and in memory; 1: no
+    // array, or not its first.
     unsigned elements;
 };
 
-// How to reach a variable of type T in a component of the class C.
-template <class C, class T>
-struct Access {
-    T (*get)(const C&);
-    void (*set)(C&, T);  // nullptr: an output
+// A variable of one component, and where that has it.
+struct Cell {
+    Variable variable;
+    void* address;
 };
 
 // One row of a generated variable table; a variable's reference is the number of its row.
 template <class C>
 struct Row {
     Variable variable;
-    std::variant<Access<C, double>, Access<C, int>, Access<C, bool>> access;
+    void* (*address)(C&);
 };
+
+// Where a member lies that is read and written as a T.
+template <class T, class Member>
+void* address_as(Member& member) {
+    if constexpr (std::is_enum_v<Member>) {
+        static_assert(std::same_as<std::underlying_type_t<Member>, T>);
+    } else {
+        static_assert(std::same_as<Member, T>);
+    }
+    return &member;
+}
 
 }  // namespace truenorth::fmi

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 
 #include "plant/fix.hpp"
 
@@ -33,6 +34,9 @@ class FixQueue {
     template <class Archive>
     void serialize(Archive& archive) {
         archive(waiting_, first_, count_);
+        if (first_ >= kCapacity || count_ > kCapacity) {
+            throw std::out_of_range("the stored state is damaged: there is no such fix in its queue");
+        }
     }
 
   private:

@@ -16,14 +16,19 @@ InertialSensor::InertialSensor(const Errors& errors, double period, const Stream
       bias_step_time_(errors.bias_step_time),
       bias_step_duration_(errors.bias_step_duration),
       period_(period),
+      walk_sigma_(errors.bias_random_walk * std::sqrt(period)),
       white_sigma_(errors.white_noise * std::sqrt(period)),
       quantisation_(errors.quantisation),
+      walk_(streams.walk),
       white_(streams.white),
       markov_(errors.markov_sigma, errors.markov_time, period, streams.markov),
       wave_(errors.wave_sigma, errors.wave_period, errors.wave_damping, period, streams.wave) {}
 
 Eigen::Vector3d InertialSensor::measure(State& state, std::uint64_t sample, double time,
                                         const Eigen::Vector3d& true_increment) const {
+    if (walk_sigma_ > 0.0) {
+        state.walk += walk_sigma_ * walk_.normal(sample);
+    }
     markov_.advance(state.markov, sample);
     wave_.advance(state.wave, sample);
     Eigen::Vector3d increment =
@@ -40,7 +45,7 @@ Eigen::Vector3d InertialSensor::measure(State& state, std::uint64_t sample, doub
 }
 
 Eigen::Vector3d InertialSensor::slow_error(const State& state, double time) const {
-    return bias_ + stepped(time) * bias_step_ + state.markov;
+    return bias_ + stepped(time) * bias_step_ + state.markov + state.walk;
 }
 
 double InertialSensor::stepped(double time) const {

@@ -1,8 +1,8 @@
 // A triad of gyros or of accelerometers: true increments in, measured increments out.
 //
 //     measured = (I + diag(scale_factor)) C_b^s true
-//              + (bias + bias step + Gauss-Markov + wave-band) T + white_noise sqrt(T) N(0, 1),  then
-//              quantised
+//              + (bias + random walk + bias step + Gauss-Markov + wave-band) T
+//              + white_noise sqrt(T) N(0, 1),  then quantised
 //
 // over one sampling period T. C_b^s = exp(-[misalignment x]): the sensor axes s are the body axes turned by
 // the rotation vector `misalignment`. Units: u is rad for gyros, m/s for accelerometers.
@@ -23,6 +23,7 @@ class InertialSensor {
         Eigen::Vector3d bias = Eigen::Vector3d::Zero();  // [u/s]
         double bias_sigma = 0.0;                         // of the part that is drawn for each run [u/s]
         double bias_limit = 0.0;                         // of a part that is drawn uniformly within it [u/s]
+        double bias_random_walk = 0.0;                   // of the bias, from 0 on [u/s^1.5]
         double white_noise = 0.0;                        // density [u/s^0.5]
         double markov_sigma = 0.0;                       // [u/s]
         double markov_time = 1.0;                        // [s]
@@ -38,32 +39,36 @@ class InertialSensor {
     };
 
     struct Streams {
-        NoiseStream bias, white, markov, wave;
+        NoiseStream bias, walk, white, markov, wave;
     };
 
     struct State {
+        Eigen::Vector3d walk = Eigen::Vector3d::Zero();  // of the bias [u/s]
         GaussMarkov::State markov = GaussMarkov::State::Zero();
         WaveNoise::State wave = WaveNoise::State::Zero();
         Eigen::Vector3d remainder = Eigen::Vector3d::Zero();  // what the quantiser has not put out yet [u]
 
         template <class Archive>
         void serialize(Archive& archive) {
-            archive(markov, wave, remainder);
+            archive(walk, markov, wave, remainder);
         }
     };
 
     InertialSensor(const Errors& errors, double period, const Streams& streams);
 
     [[nodiscard]] State begin() const {
-        return {.markov = markov_.begin(), .wave = wave_.begin(), .remainder = Eigen::Vector3d::Zero()};
+        return {.walk = Eigen::Vector3d::Zero(),
+                .markov = markov_.begin(),
+                .wave = wave_.begin(),
+                .remainder = Eigen::Vector3d::Zero()};
     }
 
     // Measured increment [u] of sample number `sample` (1, 2, ...), which ends at `time`.
     [[nodiscard]] Eigen::Vector3d measure(State& state, std::uint64_t sample, double time,
                                           const Eigen::Vector3d& true_increment) const;
 
-    // What is slow in the error [u/s], mean over the sample that ends at `time`: fixed and drawn bias, bias
-    // step, Gauss-Markov noise.
+    // What is slow in the error [u/s], mean over the sample that ends at `time`: fixed and drawn bias and
+    // their random walk, bias step, Gauss-Markov noise.
     [[nodiscard]] Eigen::Vector3d slow_error(const State& state, double time) const;
 
   private:
@@ -76,8 +81,10 @@ class InertialSensor {
     double bias_step_time_;
     double bias_step_duration_;
     double period_;
+    double walk_sigma_;   // of a sample [u/s]
     double white_sigma_;  // of an increment
     double quantisation_;
+    NoiseStream walk_;
     NoiseStream white_;
     GaussMarkov markov_;
     WaveNoise wave_;

@@ -28,6 +28,8 @@ enum class NoiseSource : std::uint8_t {
     gnss_channel = 15,
     gnss_pseudorange_outlier = 16,
     gnss_range_rate_outlier = 17,
+    gyro_bias_walk = 18,
+    accelerometer_bias_walk = 19,
 };
 
 class NoiseStream {

@@ -9,7 +9,6 @@
 namespace truenorth::fmi {
 namespace {
 
-namespace declared = {{ component.snake_name }};
 using C = {{ component.name }};
 
 constexpr std::array<Row<C>, {{ component.scalars | length }}> table{ {
@@ -17,15 +16,8 @@ constexpr std::array<Row<C>, {{ component.scalars | length }}> table{ {
 {% set variable = scalar.variable %}
 {% set type = {'Real': 'double', 'Boolean': 'bool'}.get(variable.type, 'int') %}
 {% set member = cpp.group(variable) ~ '.' ~ cpp.elements(variable)[scalar.position] %}
-{% set enumerated = variable.type in component.enumeration %}
     { {"{{ scalar.name }}", Causality::{{ variable.causality }}, type_of<{{ type }}>, {{ variable.indices | length if scalar.position == 0 else 1 }}},
-     Access<C, {{ type }}>{
-         [](const C& c) { return {{ 'static_cast<int>(c.%s)' % member if enumerated else 'c.%s' % member }}; },
-{% if variable.causality == 'output' %}
-         nullptr} },
-{% else %}
-         [](C& c, {{ type }} v) { c.{{ member }} = {{ 'static_cast<declared::%s>(v)' % variable.type if enumerated else 'v' }}; }} },
-{% endif %}
+     [](C& c) { return address_as<{{ type }}>(c.{{ member }}); }},
 {% endfor %}
 } };
 

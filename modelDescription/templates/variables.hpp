@@ -60,9 +60,12 @@ struct {{ title }} {
 {% if variable.type == 'Real' %}
     rules::finite("{{ name }}", {{ value }});
 {% endif %}
-{% for rule, limit in [('at_least', variable.min), ('greater_than', variable.above), ('at_most', variable.max)] if limit is not none %}
+{% for rule, limit in [('at_least', variable.smallest), ('greater_than', variable.above), ('at_most', variable.largest)] if limit is not none %}
     rules::{{ rule }}("{{ name }}", {{ value }}, {{ cpp.limit(variable, limit) }});
 {% endfor %}
+{% if variable.type == 'Real' and variable.above == 0 %}
+    rules::invertible("{{ name }}", {{ value }});
+{% endif %}
 {% if variable.type in component.enumeration %}
     rules::one_of("{{ name }}", {{ value }}, { {%- for item in component.enumeration[variable.type].items %}"{{ item.name }}"{{ ', ' if not loop.last }}{% endfor -%} });
 {% endif %}

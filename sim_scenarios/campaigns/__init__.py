@@ -15,7 +15,7 @@ Checks that need every error at every instant, of a few dozen runs, are made by 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -53,22 +53,32 @@ class Campaign:
         return cls(plan, made, folder, master, execution.fmu_versions(fmus, made), fmus)
 
     def run(
-        self, *, workers: int | None = None, scheduler: str | None = None, report: Report = lambda _: None
+        self,
+        *,
+        workers: int | None = None,
+        scheduler: str | None = None,
+        insecure: bool = False,
+        report: Report = lambda _: None,
     ) -> Effort:
-        """Run all that is missing; a cluster is started, or asked, only if something is."""
+        """Run all that is missing; workers are started, or asked, only if something is."""
         identity = fingerprint(self.plan, self.cases, self.versions)
         effort = Effort(0, 0, 0.0, 0.0)
         there = store.is_there(self.folder, identity)
+        damaged = store.discard_damaged(self.path) if there else []
         if not there or any(store.unfinished(self.path)):
-            with execution.cluster(workers, scheduler) as client:
-                if not there:
-                    bounds = execution.bounds(client, self.cases, self.fmus)
-                    store.create(self.folder, self.plan, self.cases, identity, bounds, self.fmus.plant)
-                effort = execution.execute(
-                    client, self.path, self.plan, self.cases, self.master, dict(self.versions), report
-                )
+            try:
+                with execution.workers(workers, scheduler, insecure) as working:
+                    if not there:
+                        bounds = execution.bounds(working, self.cases, self.fmus)
+                        store.create(self.folder, self.plan, self.cases, identity, bounds, self.fmus.plant)
+                    effort = execution.execute(
+                        working, self.path, self.plan, self.cases, self.master, dict(self.versions), report
+                    )
+            finally:
+                if scheduler is None:  # its workers have ended
+                    store.sweep(self.path)
         store.sweep(self.path)
-        return effort
+        return replace(effort, damaged=tuple(damaged))
 
     @property
     def path(self) -> Path:
@@ -82,6 +92,7 @@ def campaign(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
+    insecure: bool = False,
     master: Master = Master.auto,
     report: Report = lambda _: None,
     fmus: Fmus | None = None,
@@ -96,9 +107,11 @@ def campaign(
     folder : str or Path
         Where the results are kept; seen under the same path by the workers.
     workers : int, optional
-        Worker processes of the embedded cluster, by default one for each core.
+        Processes of this machine, by default one for each core.
     scheduler : str, optional
-        Address of a Dask scheduler to use instead.
+        Address of a Dask scheduler to use instead: tls://, with certificates in Dask's configuration.
+    insecure : bool
+        Whether a scheduler of another machine may do without TLS.
     master : Master
         Who steps plant and filters; the results are the same.
     report : callable
@@ -114,5 +127,5 @@ def campaign(
         See `store`; its arrays are read from disk as they are needed.
     """
     made = Campaign.of(load_plan(name, **given), Path(folder), master, fmus)
-    made.run(workers=workers, scheduler=scheduler, report=report)
+    made.run(workers=workers, scheduler=scheduler, insecure=insecure, report=report)
     return store.open_results(folder)

@@ -1,24 +1,29 @@
-"""A campaign on Dask distributed: batches of runs as tasks, a few at a time, whose results the workers store.
+"""A campaign on several processes: batches of runs as tasks, a few at a time; workers store the results.
 
-Whatever the size of a campaign, the scheduler knows only a few batches for each worker, and of a batch that
-is done nothing but how many runs it had: its memory does not grow with the number of runs.
+The workers are a pool of processes of this machine, which have pipes and listen nowhere, or those of a Dask
+cluster. Whatever the size of a campaign, only a few batches for each worker are handed out, and of a batch
+that is done comes back nothing but how many runs it had.
 """
 
 from __future__ import annotations
 
-import signal
+import ipaddress
+import pickle
+import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from itertools import islice
+from functools import partial
 from pathlib import Path
-from typing import Any, Final
-from uuid import uuid4
+from typing import Any, Final, TypeVar
+from urllib.parse import urlsplit
 
 import xarray as xr
 from dask.system import CPU_COUNT
-from distributed import Client, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
+from distributed import Client, Security
 from distributed.scheduler import KilledWorker
 
 from sim_scenarios import simulation
@@ -29,12 +34,26 @@ from sim_scenarios.campaigns.store import Batch
 from sim_scenarios.cosimulation import Master
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.processes import processes
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
 
 AHEAD: Final = 2
-"""Batches for each worker that the scheduler knows: one in work, one waiting."""
+"""Tasks for each worker that are handed out: one in work, one waiting."""
 
 CONNECTING: Final = 10.0
 """How long a scheduler may take to answer, and a worker to come [s]."""
+
+MOST_DEATHS: Final = 3
+"""How often in a row workers may die before a single task is done."""
+
+_CERTIFICATES: Final = ("tls_ca_file", "tls_client_cert", "tls_client_key")
+"""What a client needs for TLS, as Dask's `Security` calls it."""
+_VARIABLES: Final = tuple(
+    f"DASK_DISTRIBUTED__COMM__TLS__{n}" for n in ("CA_FILE", "CLIENT__CERT", "CLIENT__KEY")
+)
+"""Where Dask looks for it, if not in its configuration files."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +96,8 @@ class Effort:
         Time that the workers spent in runs, all together [s].
     failures : tuple of str
         Why runs failed, each reason once.
+    damaged : tuple of str
+        Chunks of the data set that could not be read, whose runs have been done again.
     """
 
     runs: int
@@ -84,6 +105,7 @@ class Effort:
     wall: float
     work: float
     failures: tuple[str, ...] = ()
+    damaged: tuple[str, ...] = ()
 
     @property
     def overhead(self) -> float:
@@ -100,41 +122,88 @@ class Done:
     work: float
 
 
-class Workbench(WorkerPlugin):
-    """What a worker needs for the batches of a campaign; made once on every worker, also on a late one."""
+class Workers:
+    """Processes that do tasks.
 
-    def __init__(
-        self, path: Path, plan: Plan, made: Sequence[Case], master: Master, versions: dict[str, str]
-    ) -> None:
-        self.name = f"campaign-{uuid4().hex}"
-        self.path, self.plan, self.cases, self.master, self.versions = path, plan, made, master, versions
-        self.attributes = store.run_attributes(path)
+    Parameters
+    ----------
+    start : callable
+        Gives an executor that hands tasks to them; called again when they have died.
+    count : int
+        How many tasks are done at once.
+    """
 
-    def setup(self, worker: Worker) -> None:  # noqa: ARG002
+    def __init__(self, start: Callable[[], Executor], count: int) -> None:
+        self._start, self._executor = start, start()
+        self.count = count
+
+    def results(self, do: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[tuple[Task, Result]]:
+        """Tasks and their results, as they are done. A task on which a worker died is given out again."""
+        waiting, pending = deque(tasks), dict[Future[Result], Task]()
+        deaths = 0
+        while waiting or pending:
+            try:
+                while waiting and len(pending) < AHEAD * self.count:
+                    future = self._executor.submit(do, waiting[0])
+                    pending[future] = waiting.popleft()
+                for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                    result = future.result()
+                    deaths = 0
+                    yield pending.pop(future), result
+            except BrokenExecutor:  # noqa: PERF203
+                deaths += 1
+                if deaths == MOST_DEATHS:
+                    raise SimulationError(f"{deaths} times workers died on the same tasks") from None
+                waiting.extendleft(pending.values())
+                pending.clear()
+                self._executor = self._start()
+            except KilledWorker as error:  # Dask has tried it again before
+                raise SimulationError(f"workers died again and again on the same tasks: {error}") from None
+            except CancelledError:
+                raise SimulationError("the scheduler has dropped tasks, or is lost") from None
+
+
+@dataclass(frozen=True)
+class Workbench:
+    """What a worker needs for the batches of a campaign.
+
+    Attributes
+    ----------
+    path : Path
+        The data set; the workers must see it under the same path.
+    plan, cases, master
+        Of the campaign.
+    versions : dict of str to str
+        FMUs that the workers must have.
+    attributes : list of dict
+        Of the runs of each case.
+    """
+
+    path: Path
+    plan: Plan
+    cases: Sequence[Case]
+    master: Master
+    versions: dict[str, str]
+    attributes: list[dict[str, Any]]
+
+    def set_up(self) -> tuple[Bench, store.Writer]:
         """Load the FMUs, which must be those of the campaign, and open the data set."""
-        self.writer = store.Writer(self.path)
-        self.bench = Bench(self.plan.period, self.master)
-        found = fmu_versions(self.bench.fmus, self.cases)
+        bench = Bench(self.plan.period, self.master)
+        found = fmu_versions(bench.fmus, self.cases)
         if found != self.versions:
             raise InputError(f"a worker has other FMUs than this process: {found}, not {self.versions}")
+        return bench, store.Writer(self.path)
 
 
 @contextmanager
-def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
-    """Connection to a scheduler: one that exists, or an embedded one with a worker process for each core."""
+def workers(count: int | None, scheduler: str | None, insecure: bool = False) -> Iterator[Workers]:
+    """Workers of a scheduler that exists, or a process for each core of this machine."""
     with ExitStack() as stack:
         if scheduler is None:
-            local = LocalCluster(
-                n_workers=workers or CPU_COUNT,
-                threads_per_worker=1,
-                processes=True,
-                dashboard_address="127.0.0.1:0",
-                memory_limit=0,
-                silence_logs="CRITICAL",
-                preload=[__name__],
-            )
-            yield stack.enter_context(Client(stack.enter_context(local)))
+            count = count or CPU_COUNT
+            yield Workers(lambda: stack.enter_context(processes(count)), count)
             return
+        _check_security(scheduler, insecure)
         try:
             client = stack.enter_context(Client(scheduler, timeout=CONNECTING))
             client.wait_for_workers(1, timeout=CONNECTING)
@@ -142,22 +211,37 @@ def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
             raise InputError(f"--scheduler {scheduler}: it has no workers") from None
         except (OSError, ValueError) as error:
             raise InputError(f"--scheduler {scheduler}: there is no answer ({error})") from None
-        yield client
+        yield Workers(lambda: client.get_executor(pure=False), sum(client.nthreads().values()))
 
 
-def dask_setup(_: Worker) -> None:
-    """Leave Ctrl-C to the command: a terminal interrupts the worker processes of its group as well.
+def _check_security(scheduler: str, insecure: bool) -> None:
+    """Refuse a connection on which others may listen, or speak: whoever does, runs code at both its ends."""
+    protocol, _, address = scheduler.rpartition("://")
+    if protocol == "tls":
+        security = Security()
+        missing = [v for v, n in zip(_VARIABLES, _CERTIFICATES, strict=True) if getattr(security, n) is None]
+        if missing:
+            raise InputError(f"--scheduler {scheduler}: TLS needs certificates; set {', '.join(missing)}")
+    elif protocol != "inproc" and not insecure and not _is_loopback(address):
+        raise InputError(
+            f"--scheduler {scheduler}: whoever reaches a scheduler without TLS can run code here and on its "
+            "workers; start it with certificates and say tls://, or say --insecure where nobody else can"
+        )
 
-    Dask calls this function, by its name, in every worker of the embedded cluster.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+def _is_loopback(address: str) -> bool:
+    try:
+        host = urlsplit(f"//{address}").hostname or ""
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
 
 
-def bounds(client: Client, made: Sequence[Case], fmus: Fmus) -> list[xr.Dataset]:
+def bounds(workers: Workers, made: Sequence[Case], fmus: Fmus) -> list[xr.Dataset]:
     """Cramer-Rao bound of every case, with the attributes of its runs; it knows nothing of faults."""
-    own = {case.label: case for case in made if case.unfaulted is None}
-    computed = client.gather(client.map(_bound, list(own.values()), pure=False))
-    found: dict[str, xr.Dataset] = dict(zip(own, computed, strict=True))
+    own = [index for index, case in enumerate(made) if case.unfaulted is None]
+    computed = workers.results(partial(_bound, made), own)
+    found = {made[index].label: bound for index, bound in computed}
 
     def of(case: Case) -> xr.Dataset:
         if case.unfaulted is None:
@@ -170,7 +254,7 @@ def bounds(client: Client, made: Sequence[Case], fmus: Fmus) -> list[xr.Dataset]
 
 
 def execute(
-    client: Client,
+    workers: Workers,
     path: Path,
     plan: Plan,
     made: Sequence[Case],
@@ -178,44 +262,21 @@ def execute(
     versions: dict[str, str],
     report: Report = lambda _: None,
 ) -> Effort:
-    """Run all that is missing in a data set; the workers must see it under the same path.
-
-    They must have the FMUs of the given versions. `report` is called after every batch.
-    """
-    bench = Workbench(path.resolve(), plan, made, master, versions)
-    client.register_plugin(bench)
-    try:
-        return _execute(client, bench, report)
-    finally:
-        client.unregister_worker_plugin(bench.name)
-
-
-def _execute(client: Client, bench: Workbench, report: Report) -> Effort:
-    missing = list(store.unfinished(bench.path))
-    total = bench.plan.runs * len(bench.cases)
+    """Run all that is missing in a data set; `report` is called after every batch."""
+    path = path.resolve()
+    bench = Workbench(path, plan, made, master, versions, store.run_attributes(path))
+    missing = list(store.unfinished(path))
+    total = plan.runs * len(made)
     done = total - sum(len(batch) for batch in missing)
     failures: list[str] = []
-    made, work, start = 0, 0.0, time.monotonic()
-    batches = iter(missing)
-    workers = sum(client.nthreads().values())
-
-    def submit(batch: Batch) -> Any:
-        return client.submit(_run_batch, bench.name, batch, key=f"{bench.name}-{batch}")
-
+    finished, work, start = 0, 0.0, time.monotonic()
     report(Progress(done, 0, total, 0.0))
-    pending = as_completed([submit(batch) for batch in islice(batches, AHEAD * workers)])
-    for future in pending:
-        try:
-            outcome: Done = future.result()
-        except KilledWorker as error:
-            raise SimulationError(f"workers died again and again on the same runs: {error}") from None
-        future.release()
-        for batch in islice(batches, 1):
-            pending.add(submit(batch))
-        made, work = made + outcome.runs, work + outcome.work
+    for _, outcome in workers.results(partial(_run_batch, pickle.dumps(bench)), missing):
+        finished, work = finished + outcome.runs, work + outcome.work
         failures += outcome.failures
-        report(Progress(done + made, len(failures), total, made / (time.monotonic() - start)))
-    return Effort(made, workers, time.monotonic() - start, work, tuple(dict.fromkeys(failures)))
+        report(Progress(done + finished, len(failures), total, finished / (time.monotonic() - start)))
+    wall = time.monotonic() - start
+    return Effort(finished, workers.count, wall, work, tuple(dict.fromkeys(failures)))
 
 
 def fmu_versions(fmus: Fmus, made: Sequence[Case]) -> dict[str, str]:
@@ -224,19 +285,36 @@ def fmu_versions(fmus: Fmus, made: Sequence[Case]) -> dict[str, str]:
     return {fmus[name].name: fmus[name].guid for name in used}
 
 
-def _bound(case: Case) -> xr.Dataset:
-    return runs.bound(case, Fmus())
+def _bound(made: Sequence[Case], index: int) -> xr.Dataset:
+    return runs.bound(made[index], Fmus())
 
 
-def _run_batch(bench: str, batch: Batch) -> Done:
+class _OnWorker(threading.local):
+    """What a thread of a worker keeps from one batch to the next of the same campaign."""
+
+    pickled: bytes = b""
+    bench: Workbench
+    ready: tuple[Bench, store.Writer]
+
+    def of(self, pickled: bytes) -> tuple[Workbench, Bench, store.Writer]:
+        """A workbench, set up."""
+        if pickled != self.pickled:
+            self.bench = pickle.loads(pickled)
+            self.ready = self.bench.set_up()
+            self.pickled = pickled
+        return (self.bench, *self.ready)
+
+
+_on_worker: Final = _OnWorker()
+
+
+def _run_batch(pickled: bytes, batch: Batch) -> Done:
     """Run a batch on a worker and store it."""
+    workbench, bench, writer = _on_worker.of(pickled)
     start = time.monotonic()
-    plugin = get_worker().plugins[bench]
-    assert isinstance(plugin, Workbench)
-    case, attributes = plugin.cases[batch.case], plugin.attributes[batch.case]
-    seeds = range(plugin.plan.seed + batch.start, plugin.plan.seed + batch.stop)
-    outcomes = [plugin.bench.run(case, seed, attributes) for seed in seeds]
-    writer = plugin.writer
-    writer.write(batch, *runs.arranged(outcomes, filter_labels(plugin.cases), writer.times))
+    case, attributes = workbench.cases[batch.case], workbench.attributes[batch.case]
+    seeds = range(workbench.plan.seed + batch.start, workbench.plan.seed + batch.stop)
+    outcomes = [bench.run(case, seed, attributes) for seed in seeds]
+    writer.write(batch, *runs.arranged(outcomes, filter_labels(workbench.cases), writer.times))
     failures = tuple(outcome.failure for outcome in outcomes if outcome.failure)
     return Done(len(batch), failures, time.monotonic() - start)

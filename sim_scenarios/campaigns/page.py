@@ -8,7 +8,6 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-import re
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,7 +21,9 @@ from plotly.offline import get_plotlyjs
 from sim_scenarios.campaigns import pictures, store, table
 from sim_scenarios.campaigns.quantities import ERRORS
 from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
-from sim_scenarios.html import render
+from sim_scenarios.folders import filled
+from sim_scenarios.html import render, source
+from sim_scenarios.names import file_names
 
 Array = NDArray[np.float64]
 
@@ -34,17 +35,20 @@ MOST_NUMBERS: Final = 2_000_000
 
 def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[str, str]:
     """Write page, pictures and tables into a folder; their paths."""
-    for case in cases:
-        pictures.draw(case, folder / _file_name(case.label))
-    tables = [table.markdown(rows) for _, rows in _overviews(cases)]
-    (folder / "table.md").write_text("\n".join(tables), encoding="utf-8")
-    page = folder / "report.html"
-    page.write_text(_html(data, cases), encoding="utf-8")
-    return {"report": str(page), "table": str(folder / "table.md"), "data": str(folder / store.NAME)}
+    names = file_names(case.label for case in cases)
+    with filled(folder) as draft:
+        for case in cases:
+            pictures.draw(case, draft / names[case.label])
+        tables = [table.markdown(rows) for _, rows in _overviews(cases)]
+        (draft / "table.md").write_text("\n".join(tables), encoding="utf-8")
+        (draft / "report.html").write_text(_html(data, cases), encoding="utf-8")
+    there = {"report": "report.html", "table": "table.md", "data": store.NAME}
+    return {what: str(folder / name) for what, name in there.items()}
 
 
 def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
     about = json.loads(data.attrs["cases"])
+    script, plotly = source("campaign.js"), get_plotlyjs()
     return render(
         "campaign.html",
         title=data.attrs["campaign"],
@@ -55,7 +59,9 @@ def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
         overviews=_overviews(cases),
         about={label: {**case, "command": _command(case, data)} for label, case in about.items()},
         content=_script_safe(json.dumps(_content(data, cases), allow_nan=False)),
-        plotly=base64.b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode("ascii"),
+        plotly=base64.b64encode(gzip.compress(plotly.encode(), mtime=0)).decode("ascii"),
+        script=script,
+        scripts=[script, plotly],
     )
 
 
@@ -130,7 +136,3 @@ def _numbers(values: Array) -> list[float | None]:
 def _script_safe(text: str) -> str:
     """JSON that cannot end the script element that it stands in."""
     return text.replace("<", "\\u003c")
-
-
-def _file_name(label: str) -> str:
-    return re.sub(r"[^\w.=-]+", "_", label)

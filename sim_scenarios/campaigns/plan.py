@@ -35,7 +35,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import sys
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -44,24 +44,23 @@ from typing import Annotated, Any, Final
 
 from pydantic import Field, ValidationError
 
-from sim_scenarios import faults
+from sim_scenarios import faults, toml
 from sim_scenarios.campaigns.draws import Distribution, Draw, draw
 from sim_scenarios.campaigns.quantities import FIGURES, SERIES
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
+from sim_scenarios.names import Label, Name, Text
 from sim_scenarios.scenario import Scenario, Table, load_scenario, scenario_path
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 SHIPPED: Final = Path(__file__).parent / "shipped"
 LARGEST_SEED: Final = 2**31 - 1
+MOST_RUNS: Final = 1_000_000
+"""Of a case: a hundred for each that a figure with three digits needs."""
+MOST_CASES: Final = 10_000
 MOST_BATCHES: Final = 50
 LARGEST_BATCH: Final = 16
 
-Filters = tuple[str, ...] | dict[str, dict[str, Any]] | None
+Filters = tuple[str, ...] | dict[Label, dict[str, Any]] | None
 
 
 class NamedCase(Table):
@@ -74,20 +73,20 @@ class NamedCase(Table):
 class Plan(Table):
     """A campaign, as its file says it."""
 
-    name: str
-    description: str = ""
+    name: Name
+    description: Text = ""
     scenarios: Annotated[tuple[str, ...], Field(min_length=1)]
     filters: Filters = None
     reference: str | None = None
-    runs: Annotated[int, Field(ge=1)] = 100
+    runs: Annotated[int, Field(ge=1, le=MOST_RUNS)] = 100
     seed: Annotated[int, Field(ge=0)] = 1
-    period: Annotated[float, Field(gt=0)] = 1.0
-    instants: tuple[Annotated[float, Field(ge=0)], ...] = ()
+    period: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 1.0
+    instants: tuple[Annotated[float, Field(ge=0, allow_inf_nan=False)], ...] = ()
     """When the NEES is looked at, beside the end of the evaluation [s]."""
     set: dict[str, Any] = Field(default={})
     draw: dict[str, Distribution] = Field(default={})
     grid: dict[str, Annotated[list[Any], Field(min_length=1)]] = Field(default={})
-    cases: dict[str, NamedCase] = Field(default={})
+    cases: dict[Label, NamedCase] = Field(default={})
 
     @property
     def batch(self) -> int:
@@ -179,6 +178,9 @@ def cases(plan: Plan, fmus: Fmus) -> list[Case]:
     """Every scenario with every named case and every combination of the grid; before faults, without them."""
     named = {**plan.cases} if plan.cases else {"": NamedCase()}
     made: list[Case] = []
+    count = len(plan.scenarios) * len(named) * math.prod(map(len, plan.grid.values()))
+    if count > MOST_CASES:
+        raise InputError(f"grid: makes {count} cases, must make at most {MOST_CASES}")
     for source in plan.scenarios:
         if _own_filters(plan, source) == {}:
             continue
@@ -329,10 +331,10 @@ def _unfaulted(case: Case, of: str) -> Case:
 def _campaign_path(name: str | Path) -> Path | None:
     """Path of a campaign file; None if the name is a scenario's."""
     shipped = SHIPPED / f"{name}.toml"
-    if isinstance(name, str) and shipped.is_file():
+    if isinstance(name, str) and toml.exists(shipped):
         return shipped
     path = Path(name)
-    if path.suffix == ".toml" and path.is_file() and "scenarios" in _read(path):
+    if path.suffix == ".toml" and toml.exists(path) and "scenarios" in _read(path):
         return path
     return None
 
@@ -343,10 +345,7 @@ def _of_scenario(name: str | Path) -> dict[str, Any]:
 
 def _read(path: Path) -> dict[str, Any]:
     """Content of a campaign file; scenario files stand relative to it."""
-    try:
-        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+    table = toml.read(path)
     if isinstance(named := table.get("scenarios"), list):
         table["scenarios"] = tuple(
             str(path.parent / entry) if str(entry).endswith(".toml") else entry for entry in named

@@ -202,7 +202,7 @@ def root_mean_square(values: ArrayLike) -> Estimate:
     """Root mean square of the RMSE of independent runs, with its interval."""
     r = np.asarray(values, dtype=float)
     if len(r) == 0:
-        return Estimate(np.nan, np.nan, np.nan)
+        return _unknown()
     value = float(np.sqrt(np.mean(r**2)))
     return _log_interval(value, _influence(r))
 
@@ -211,9 +211,28 @@ def paired_ratio(values: ArrayLike, reference: ArrayLike) -> Estimate:
     """Ratio of the root mean squares of two filters over the same runs, with its interval."""
     a, b = np.asarray(values, dtype=float), np.asarray(reference, dtype=float)
     if len(a) == 0 or not np.any(b):
-        return Estimate(np.nan, np.nan, np.nan)
+        return _unknown()
     value = float(np.sqrt(np.mean(a**2) / np.mean(b**2)))
     return _log_interval(value, _influence(a) - _influence(b))
+
+
+def mean_of(values: ArrayLike) -> Estimate:
+    """Mean of a figure of independent runs that is never negative, with its interval."""
+    r = np.asarray(values, dtype=float)
+    return _log_interval(float(np.mean(r)), r / np.mean(r)) if np.any(r) else _unknown()
+
+
+def ratio_of_means(values: ArrayLike, reference: ArrayLike) -> Estimate:
+    """Ratio of the means of such a figure of two filters over the same runs, with its interval."""
+    a, b = np.asarray(values, dtype=float), np.asarray(reference, dtype=float)
+    if not (np.any(a) and np.any(b)):
+        return _unknown()
+    return _log_interval(float(np.mean(a) / np.mean(b)), a / np.mean(a) - b / np.mean(b))
+
+
+def share(events: int, count: int) -> Estimate:
+    """Share of events with the interval of Clopper and Pearson, quantiles of beta distributions."""
+    return _clopper_pearson(events, count) if count else _unknown()
 
 
 def error_course(error: Array) -> Course:
@@ -246,7 +265,7 @@ def time_share(part: ArrayLike, whole: ArrayLike) -> Estimate:
     w, c = w[c > 0], c[c > 0]
     runs = len(c)
     if runs == 0 or np.isnan(w).any():
-        return Estimate(np.nan, np.nan, np.nan)
+        return _unknown()
     share = float(w.sum() / c.sum())
     if runs == 1:
         return Estimate(share, np.nan, np.nan)
@@ -347,12 +366,12 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
     return {
         "runs": runs,
         "stopped": stopped,
-        "failures": _share(runs - int((one["success"].values[finished] == 1).sum()), runs),
+        "failures": share(runs - int((one["success"].values[finished] == 1).sum()), runs),
         "rmse": {name: root_mean_square(one[f"{name}_rmse"].values[finished]) for name in ERRORS},
         "to_bound": root_mean_square(each / float(one[f"{counting}_bound_rms"])),
         "convergence": (_order(times, 0.5), _order(times, 0.9)),
         "hand_over": (float(handed.min()), float(handed.max())) if len(handed) else (np.nan, np.nan),
-        "wrong_claims": _share(int((deviation > WRONG).sum()), claims),
+        "wrong_claims": share(int((deviation > WRONG).sum()), claims),
         "claims": claims,
         "sure": float(sure.mean()) if len(sure) else np.nan,
         "wrongly_sure": time_share(one["wrongly_sure_time"].values[finished], sure),
@@ -402,7 +421,7 @@ def _of_recoveries(times: Array) -> dict[str, Any]:
     """What the times to recover of the runs of one filter say."""
     ordered = np.sort(times[~np.isnan(times)])
     return {
-        "recovered": _share(int(np.isfinite(ordered).sum()), len(ordered)),
+        "recovered": share(int(np.isfinite(ordered).sum()), len(ordered)),
         "recovery": (_order(ordered, 0.5), _order(ordered, 0.9)),
     }
 
@@ -422,6 +441,10 @@ def _courses(
     }
 
 
+def _unknown() -> Estimate:
+    return Estimate(np.nan, np.nan, np.nan)
+
+
 def _influence(r: Array) -> Array:
     """Influence of each run on the logarithm of the root mean square, d_k."""
     square = np.mean(r**2)
@@ -435,13 +458,6 @@ def _log_interval(value: float, influence: Array) -> Estimate:
     error = np.std(influence, ddof=1) / np.sqrt(count)
     reach = float(np.exp(stdtrit(count - 1, (1 + CONFIDENCE) / 2) * error))
     return Estimate(value, value / reach, value * reach)
-
-
-def _share(events: int, count: int) -> Estimate:
-    """Share of events with the interval of Clopper and Pearson, quantiles of beta distributions."""
-    if count == 0:
-        return Estimate(np.nan, np.nan, np.nan)
-    return _clopper_pearson(events, count)
 
 
 def _clopper_pearson(events: float, count: float) -> Estimate:
@@ -463,6 +479,6 @@ def _order(ascending: Array, share: float) -> float:
 def _consistency(total: Array, degrees: Array) -> Estimate:
     count = float(np.sum(degrees))
     if count == 0:
-        return Estimate(np.nan, np.nan, np.nan)
+        return _unknown()
     lower, upper = chi_square_interval(int(count))
     return Estimate(float(np.sum(total)) / count, lower / count, upper / count)

@@ -10,13 +10,14 @@ What is drawn for a run stands in `drawn.<parameter>` (scenario, run), the end o
 One chunk holds the runs of one batch, so that workers never write to the same file, and Zarr replaces a file
 as a whole. `state` is written last: a run counts as finished when its state says so, and everything else
 of it is on disk by then. Whoever dies at any moment leaves finished batches and batches to repeat.
+
+Every chunk ends with a checksum of itself, and every chunk of a finished batch is there, even one that holds
+nothing. A chunk that is lost or damaged later is therefore found, and the runs of its batch are done again.
 """
 
 from __future__ import annotations
 
 import json
-import os
-import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -27,6 +28,7 @@ import dask.array
 import numpy as np
 import xarray as xr
 import zarr
+from numcodecs import CRC32, Zstd
 from numpy.typing import NDArray
 
 from sim_scenarios import faults
@@ -34,12 +36,18 @@ from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
 from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, FIGURES, SERIES
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu
+from sim_scenarios.folders import discard, filled, remove
 from sim_scenarios.scenario import Scenario
 
 NAME: Final = "campaign.zarr"
 DRAWN: Final = "drawn."
 """Beginning of the names of what is drawn for the runs."""
 RUNS: Final = ("scenario", "filter", "run")
+ZARR_3: Final = zarr.__version__[0] >= "3"
+_CODEC: Final = "compressors" if ZARR_3 else "compressor"
+"""What xarray calls the codec that is applied last."""
+OF_RUNS: Final = (*SERIES, *FIGURES, "state")
+"""Variables that the runs fill."""
 
 
 class State(IntEnum):
@@ -71,7 +79,7 @@ def is_there(folder: Path, identity: str) -> bool:
         return False
     try:
         attributes = _group(path, "r").attrs.asdict()
-    except (OSError, ValueError):  # whatever Zarr raises
+    except Exception:  # whatever Zarr raises
         attributes = {}
     if "fingerprint" not in attributes:
         raise InputError(f"{path} is not the data set of a campaign; give another --output, or --overwrite")
@@ -87,19 +95,75 @@ def create(
     folder: Path, plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[xr.Dataset], plant: Fmu
 ) -> None:
     """Data set of a campaign without results; it appears in the folder as a whole or not at all."""
-    folder.mkdir(parents=True, exist_ok=True)
-    draft = folder / f"{NAME}.{os.getpid()}"
-    _template(plan, made, identity, bounds, plant).to_zarr(draft, mode="w", compute=False, zarr_format=2)
-    draft.replace(folder / NAME)
+    template = _template(plan, made, identity, bounds, plant)
+    encoding: dict[Any, dict[str, Any]] = {name: {_CODEC: CRC32()} for name in template.variables}
+    for name in OF_RUNS:
+        encoding[name]["filters"] = [Zstd()]  # is read after the checksum, and written before it
+    with filled(folder) as draft:
+        template.to_zarr(
+            draft / NAME,
+            mode="w",
+            compute=False,
+            zarr_format=2,
+            write_empty_chunks=True,
+            encoding=encoding,
+        )
 
 
-def discard(folder: Path) -> None:
+def clear(folder: Path) -> None:
     """Remove the data set of a folder."""
-    shutil.rmtree(folder / NAME, ignore_errors=True)
+    discard(folder / NAME)
+
+
+def discard_damaged(path: Path) -> list[str]:
+    """Chunks that are lost or damaged, by their paths; the runs of their batches are missing from now on.
+
+    A chunk that no run fills cannot be made again, and the data set is refused.
+    """
+    arrays = dict(_group(path, "r").arrays())
+    for name in arrays.keys() - set(OF_RUNS):
+        for index in np.ndindex(arrays[name].cdata_shape):
+            if not _is_whole(path, arrays[name], name, index):
+                where = path / _chunk(name, index)
+                raise InputError(f"{where} is lost or damaged; give another --output, or --overwrite")
+    batches = np.ndindex(arrays["state"].cdata_shape)
+    return [chunk for batch in batches for chunk in _damaged(path, arrays, batch)]
+
+
+def _damaged(path: Path, arrays: Mapping[str, Any], index: tuple[int, ...]) -> list[str]:
+    """Chunks of a batch that were stored and cannot be read; with the batch's state they are removed."""
+    state = path / _chunk("state", index)
+    if not state.exists():
+        return []
+    if not _is_whole(path, arrays["state"], "state", index):
+        damaged = [_chunk("state", index)]
+    elif (arrays["state"].get_block_selection(index) == State.missing).any():
+        return []
+    else:
+        at = {name: (*index, *[0] * (arrays[name].ndim - len(index))) for name in OF_RUNS}
+        damaged = [_chunk(n, at[n]) for n in OF_RUNS if not _is_whole(path, arrays[n], n, at[n])]
+    if damaged:
+        remove(state)  # first: from now on the runs are missing
+    for chunk in damaged:
+        remove(path / chunk)
+    return damaged
+
+
+def _is_whole(path: Path, array: Any, name: str, index: tuple[int, ...]) -> bool:
+    """Whether a chunk is there and fits its checksum; Zarr takes one that is not there for an empty one."""
+    try:
+        array.get_block_selection(index)
+    except Exception:  # whatever file system, checksum and compression raise
+        return False
+    return (path / _chunk(name, index)).is_file()
+
+
+def _chunk(name: str, index: tuple[int, ...]) -> str:
+    return f"{name}/{'.'.join(map(str, index))}"
 
 
 def sweep(path: Path) -> None:
-    """Remove the chunks that killed workers had begun to write. Only when no run is missing any more."""
+    """Remove the chunks that killed workers had begun to write. Only when nobody writes any more."""
     for partial in path.rglob("*.partial"):
         partial.unlink(missing_ok=True)
 
@@ -127,8 +191,8 @@ class Writer:
 
     def __init__(self, path: Path) -> None:
         group = _group(path, "r+")
-        self._arrays = {name: group[name] for name in (*SERIES, *FIGURES)}
-        self._state = group["state"]
+        self._arrays = {name: _writing_all(group[name]) for name in OF_RUNS}
+        self._state = self._arrays.pop("state")
         self.times = int(group["time"].shape[0])
 
     def write(self, batch: Batch, values: Mapping[str, NDArray[Any]], state: NDArray[np.int8]) -> None:
@@ -140,6 +204,11 @@ class Writer:
         for name, array in self._arrays.items():
             array[region] = values[name]
         self._state[region] = state
+
+
+def _writing_all(array: Any) -> Any:
+    """An array that writes chunks with nothing in them, too, as Zarr 2 does anyway."""
+    return array.with_config({"write_empty_chunks": True}) if ZARR_3 else array
 
 
 def open_results(folder: str | Path) -> xr.Dataset:

@@ -5,21 +5,51 @@ Each subcommand is a module of its own; `application` registers them.
 
 from __future__ import annotations
 
+import signal
 import sys
+from types import FrameType
+from typing import Final
 
-INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+INTERRUPTED: Final = 130  # 128 + SIGINT, as shells have it
+
+_ENDING: Final = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "hung up"}
+"""Signals that ask a command to end, and what it says then: a terminal's, a batch system's, a lost line's."""
 
 
 def main() -> None:
-    """Run the command. An interruption ends it in one line, be it while Python still imports."""
+    """Run the command. A signal ends it in one line, be it while Python still imports.
+
+    Whatever the signal, the command cleans up as after Ctrl-C. The exit code is 128 + its number.
+    """
+    received = signal.SIGINT
+
+    def interrupt(number: int, _: FrameType | None) -> None:
+        nonlocal received
+        received = signal.Signals(number)
+        raise KeyboardInterrupt
+
+    ending = [signal.Signals[name] for name in _ENDING if hasattr(signal, name)]
+    for one in ending:
+        if signal.getsignal(one) is signal.SIG_DFL:  # neither Python's own, nor ignored as by nohup
+            signal.signal(one, interrupt)
+    try:
+        code = _run()
+    except KeyboardInterrupt:
+        code = INTERRUPTED
+    for one in ending:
+        signal.signal(one, signal.SIG_IGN)  # what is left to do is to clean up
+    if code == INTERRUPTED:
+        print(f"truenorth: {_ENDING[received.name]}", file=sys.stderr)
+        code = 128 + received
+    sys.exit(code)  # type: ignore[arg-type]
+
+
+def _run() -> object:
+    """Exit code of the command."""
     try:
         from sim_scenarios.cli.application import app
 
         app()
-    except KeyboardInterrupt:
-        code: object = INTERRUPTED
     except SystemExit as end:
-        code = end.code
-    if code == INTERRUPTED:
-        print("truenorth: interrupted", file=sys.stderr)
-    sys.exit(code)  # type: ignore[arg-type]
+        return end.code
+    return 0

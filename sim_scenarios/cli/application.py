@@ -12,6 +12,7 @@ from sim_scenarios.cli.listing import list_scenarios
 from sim_scenarios.cli.paper import reproduce_paper
 from sim_scenarios.cli.replay import replay_recording
 from sim_scenarios.cli.run import run_scenario
+from sim_scenarios.cli.verify import verify_export
 
 app = typer.Typer(
     name="truenorth",
@@ -39,6 +40,7 @@ def truenorth() -> None:
         truenorth bound zigzag                   how well any filter could do
         truenorth replay imu.csv --heading 100   a recorded IMU through the filter
         truenorth export swaying_ship            for other tools: FMUs, SSP, OSP, reference results
+        truenorth verify FOLDER                  whether an export is whole and still gives its results
 
     Each command explains itself: `truenorth run --help`. Exit code: 0 converged, 1 not converged, 2 bad
     input, 130 interrupted.
@@ -53,3 +55,4 @@ app.command("paper")(reproduce_paper)
 app.command("bound")(show_bound)
 app.command("replay")(replay_recording)
 app.command("export")(export_scenario)
+app.command("verify")(verify_export)

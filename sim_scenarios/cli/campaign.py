@@ -7,7 +7,6 @@ import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
@@ -17,10 +16,9 @@ from rich.progress import Progress as Bar
 
 from sim_scenarios.cli import INTERRUPTED
 from sim_scenarios.cli.options import AsJson, Output, Settings, settings
-from sim_scenarios.cli.results import DEFAULT, Results
+from sim_scenarios.cli.results import DEFAULT, Results, storing
 from sim_scenarios.cli.terminal import console, print_json, print_pairs, print_table, refusing_bad_input
 from sim_scenarios.cosimulation import Master
-from sim_scenarios.errors import InputError
 
 if TYPE_CHECKING:
     from sim_scenarios.campaigns import Campaign
@@ -62,11 +60,14 @@ Grid = Annotated[
 ]
 Workers = Annotated[
     int | None,
-    typer.Option(min=1, help="Processes of the embedded cluster.", show_default="one for each core"),
+    typer.Option(min=1, help="Processes of this machine.", show_default="one for each core"),
 ]
 Scheduler = Annotated[
     str | None,
-    typer.Option(help="Dask scheduler to use instead, such as tcp://host:8786.", show_default=False),
+    typer.Option(help="Dask scheduler to use instead, such as tls://host:8786.", show_default=False),
+]
+Insecure = Annotated[
+    bool, typer.Option("--insecure", help="Take a scheduler of another machine without TLS, too.")
 ]
 Stepping = Annotated[
     Master, typer.Option(help="Who steps plant and filters: a container FMU, or Python. Same results.")
@@ -87,6 +88,7 @@ def run_campaign(
     output: Output = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
+    insecure: Insecure = False,
     master: Stepping = Master.auto,
     overwrite: Overwrite = False,
     as_json: AsJson = False,
@@ -103,7 +105,7 @@ def run_campaign(
         truenorth campaign zigzag -n 50 --filter EKF --filter UKF --grid "gnss.rate=[1, 5, 10]"
         truenorth campaign filters_by_scenario
         truenorth campaign faults --case "IMU silence" -n 2
-        truenorth campaign my_campaign.toml --scheduler tcp://192.168.0.7:8786 --output /shared/results
+        truenorth campaign my_campaign.toml --scheduler tls://192.168.0.7:8786 --output /shared/results
 
     Exit code 0 when every run came to its end, 1 when one stopped with an error, 130 when interrupted.
     """
@@ -123,10 +125,10 @@ def run_campaign(
         folder = Results(output or DEFAULT / f"campaign-{plan.name}").output
         assert folder is not None
         campaign = Campaign.of(plan, folder, master)
-        with _storing(folder):
+        with storing(folder, "; what is done is kept, and the same command resumes"):
             if overwrite:
-                store.discard(folder)
-            effort = _run(campaign, workers, scheduler)
+                store.clear(folder)
+            effort = _run(campaign, workers, scheduler, insecure)
             data = store.open_results(folder)
             cases = list(summarise(data))
             files = page.write(data, cases, folder)
@@ -138,19 +140,7 @@ def run_campaign(
     raise typer.Exit(int(any(one.stopped for case in cases for one in case.filters.values())))
 
 
-@contextmanager
-def _storing(folder: Path) -> Iterator[None]:
-    """Say in a sentence what keeps results from being stored, here or on a worker."""
-    try:
-        yield
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(
-            f"--output {folder}: {reason}; what is done is kept, and the same command resumes"
-        ) from None
-
-
-def _run(campaign: Campaign, workers: int | None, scheduler: str | None) -> Effort:
+def _run(campaign: Campaign, workers: int | None, scheduler: str | None, insecure: bool) -> Effort:
     """Run what is missing; an interruption says how to go on.
 
     Dask logs a traceback for every connection that is torn; the sentences of this command say it all.
@@ -158,7 +148,7 @@ def _run(campaign: Campaign, workers: int | None, scheduler: str | None) -> Effo
     logging.disable(logging.ERROR)
     try:
         with _progress(campaign.plan.name) as report:
-            return campaign.run(workers=workers, scheduler=scheduler, report=report)
+            return campaign.run(workers=workers, scheduler=scheduler, insecure=insecure, report=report)
     except KeyboardInterrupt:
         command = shlex.join(["truenorth", *sys.argv[1:]])
         typer.echo(
@@ -177,6 +167,8 @@ def _print(cases: list[CaseSummary], effort: Effort, files: dict[str, str]) -> N
         print_table(table.figures(case))
         print_table(table.certainty(case))
         console().print()
+    for chunk in effort.damaged[:MOST_FAILURES]:
+        typer.echo(f"{chunk} was lost or damaged; its runs have been done again", err=True)
     for failure in effort.failures[:MOST_FAILURES]:
         typer.echo(f"a run failed: {failure}", err=True)
     print_pairs({**_effort(effort), "Report": files["report"], "Data": files["data"]})

@@ -6,7 +6,7 @@ from typing import Annotated, Final
 
 import typer
 
-from sim_scenarios import matrix, report, simulation
+from sim_scenarios import matrix, report, simulation, toml
 from sim_scenarios.cli.options import AsJson, Output, Seed, Settings, settings
 from sim_scenarios.cli.results import Results
 from sim_scenarios.cli.terminal import (
@@ -20,7 +20,6 @@ from sim_scenarios.cli.terminal import (
 )
 from sim_scenarios.errors import InputError
 from sim_scenarios.metrics.verdict import known
-from sim_scenarios.scenario import toml_value
 
 Scenarios = Annotated[
     list[str],
@@ -82,7 +81,7 @@ def axes(given: list[str] | None) -> dict[str, list[object]]:
     found: dict[str, list[object]] = {}
     for axis in given or []:
         name, _, text = (part.strip() for part in axis.partition("="))
-        values = [toml_value(value) for value in text.split(",") if value.strip()]
+        values = [toml.value(value) for value in text.split(",") if value.strip()]
         if not name or not values:
             raise InputError(f"--axis {axis}: write NAME=VALUE,VALUE...")
         if name in found:

@@ -8,8 +8,10 @@ from typing import Annotated
 import typer
 
 from sim_scenarios.cli.options import AsJson, Scenario, Seed, Settings, settings
+from sim_scenarios.cli.results import Results, storing
 from sim_scenarios.cli.terminal import print_json, print_pairs, refusing_bad_input
 from sim_scenarios.exchange import STEP, export
+from sim_scenarios.names import file_name
 
 
 def export_scenario(
@@ -31,8 +33,10 @@ def export_scenario(
         truenorth export zigzag --output partner --seed 7 --step 0.01
     """
     with refusing_bad_input():
-        folder = output or Path("truenorth-export") / Path(scenario).stem
-        system = export(scenario, folder, seed=seed, set=settings(set_), step=step)
+        folder = output or Path("truenorth-export") / file_name(Path(scenario).stem)
+        Results(folder)
+        with storing(folder):
+            system = export(scenario, folder, seed=seed, set=settings(set_), step=step)
     files = {"ssp": str(folder / f"{system.name}.ssp"), "readme": str(folder / "README.md")}
     if as_json:
         print_json({"scenario": system.name, "communication_step": system.step, **files})

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from sim_scenarios import toml
 from sim_scenarios.errors import InputError
-from sim_scenarios.scenario import toml_value
 
 Scenario = Annotated[
     str,
@@ -49,5 +49,5 @@ def settings(given: list[str] | None) -> dict[str, object]:
         name, equals, text = setting.partition("=")
         if not equals or not name.strip():
             raise InputError(f"--set {setting}: write NAME=VALUE")
-        values[name.strip()] = toml_value(text)
+        values[name.strip()] = toml.value(text)
     return values

@@ -21,6 +21,7 @@ from sim_scenarios.cli.terminal import (
 )
 from sim_scenarios.errors import InputError
 from sim_scenarios.metrics.verdict import status_at_end
+from sim_scenarios.names import file_name
 from sim_scenarios.units import DEGREE
 
 
@@ -84,7 +85,7 @@ def replay_recording(
         aiding = recorded_imu.ZeroVelocity(_position(position), sigma, rate) if zero_velocity else None
         with progress(file.name) as advance:
             run = recorded_imu.replay(file, start, zero_velocity=aiding, set=settings(set_), progress=advance)
-        files = results.write(run, report.report_replay, f"replay-{file.name.split('.')[0]}")
+        files = results.write(run, report.report_replay, file_name(f"replay-{file.name.split('.')[0]}"))
     converged = report.replay_converged(run)
     headings = report.heading_table(run)
     if as_json:

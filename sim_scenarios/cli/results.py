@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -13,6 +14,7 @@ import xarray as xr
 
 from sim_scenarios import recording
 from sim_scenarios.errors import InputError
+from sim_scenarios.folders import filled
 
 DEFAULT: Final = Path("truenorth-results")
 
@@ -50,12 +52,19 @@ class Results:
     ) -> dict[str, str]:
         """Write report and recording; their paths."""
         folder = self.folder(name)
-        try:
-            page = report(data, folder)
-            recording.save(data, folder / "recording.nc")
-        except OSError as error:
-            raise InputError(f"--output {folder}: {error.strerror}") from None
-        return {"report": str(page), "recording": str(folder / "recording.nc")}
+        with storing(folder), filled(folder) as draft:
+            page = report(data, draft)
+            recording.save(data, draft / "recording.nc")
+        return {"report": str(folder / page.name), "recording": str(folder / "recording.nc")}
+
+
+@contextmanager
+def storing(folder: Path, kept: str = "") -> Iterator[None]:
+    """Say in a sentence what keeps results from being stored, and what is kept nevertheless."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"--output {folder}: {error.strerror or error}{kept}") from None
 
 
 def _unused(folder: Path) -> Path:

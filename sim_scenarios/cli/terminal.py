@@ -15,6 +15,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from rich.table import Table
 
 from sim_scenarios.errors import InputError, SimulationError
+from sim_scenarios.names import printable
 
 
 @contextmanager
@@ -23,7 +24,11 @@ def refusing_bad_input() -> Iterator[None]:
     try:
         yield
     except (InputError, SimulationError) as error:
-        typer.echo(f"truenorth: {error}", err=True)
+        typer.echo(f"truenorth: {printable(str(error))}", err=True)
+        raise typer.Exit(2) from None
+    except OSError as error:  # of the machine: no space, no file descriptor, no permission
+        where = "" if error.filename is None else f"{error.filename}: "
+        typer.echo(f"truenorth: {printable(f'{where}{error.strerror or error}')}", err=True)
         raise typer.Exit(2) from None
 
 
@@ -79,6 +84,11 @@ def say_messages(data: xr.Dataset, most: int = 5) -> None:
         standard_error.print(message, style="dim", markup=False)
     if len(messages) > most:
         standard_error.print(f"... and {len(messages) - most} more messages, in the report", style="dim")
+
+
+def say(sentence: str) -> None:
+    """What is about to happen, on standard error."""
+    print(sentence, file=sys.stderr, flush=True)
 
 
 def print_verdict(sentence: str, good: bool) -> None:

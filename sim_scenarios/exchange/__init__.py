@@ -3,31 +3,46 @@
 `export` writes one folder::
 
     README.md                 what is here and how to use it
-    fmi2/*.fmu fmi3/*.fmu     the FMUs, with the reference experiment inside (FMI-LS-REF)
+    fmi2/*.fmu fmi3/*.fmu     the FMUs, with the scenario's values as start values, and with the reference
+                              experiment inside (FMI-LS-REF)
     <scenario>.ssp            plant and filter as a system, SSP 1.0, of the FMI 2 FMUs
-    OspSystemStructure.xml    the same for the Open Simulation Platform, with the FMUs of fmi2/; not written
-                              for a scenario that sets enumerations, which libcosim cannot
+    <scenario>_fmi3.ssp       the same of the FMI 3 FMUs, SSP 2.0
+    OspSystemStructure.xml    the same for the Open Simulation Platform, with the FMUs of fmi2/
     parameters/*.ssv          all that the scenario sets, as SSP parameter sets
-    reference/                results in the form of the FMI cross-check: _in.csv, _ref.csv, _ref.opt
+    reference/                results in the form of the FMI cross-check: _in.csv, _ref.csv, _ref.opt; below
+                              fmi3/ with the arrays of FMI 3; _end.state is the state of FMI 2 at the end
+    skeleton/*_in.csv         the first rows of inputs, to be replaced by one's own; below fmi3/ for FMI 3
+    report.html               report of that run
+    provenance.json           what it was made from and by
+    sbom.cdx.json             software bill of materials of the FMUs, CycloneDX
+    SHA256SUMS                checksums of all that; `truenorth verify` and `sha256sum --check` read it
+
+Each FMU has provenance, bill of materials and its own list of checksums, below extra/org.truenorth.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
-from sim_scenarios.archives import with_members, write_archive
-from sim_scenarios.errors import InputError
-from sim_scenarios.exchange import documents, reference
+from sim_scenarios import recording, report
+from sim_scenarios.archives import archive_bytes, as_bytes, read_archive
+from sim_scenarios.cosimulation import Order
+from sim_scenarios.exchange import checksums, documents, evidence, reference, replay, start_values
+from sim_scenarios.exchange.forms import FMI2, FORMS, Form
 from sim_scenarios.exchange.system import Component, System, of_scenario
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.scenario import load_scenario
+from sim_scenarios.folders import filled, temporary
+from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.simulation import run_filters
 
 __all__ = ["Component", "System", "export"]
 
+SKELETONS = "skeleton"
+"""Folder of the beginnings of input files, for signals of one's own."""
 STEP = 0.1
 """Communication step of the exported system [s]: ten IMU periods, so that slow importers take seconds."""
-REFERENCES = "extra/org.fmi-standard.fmi-ls-ref"
 
 
 def export(
@@ -60,53 +75,112 @@ def export(
     loaded = load_scenario(scenario, fmus, seed=seed, settings=settings)
     system = of_scenario(loaded, fmus)
     results = reference.simulate(loaded, fmus, system)
-    for component in system.components:
-        _write_component(system, component, results[component.name], folder)
-    _write_system(system, results, folder)
+    about: dict[str, str | bytes] = {
+        "provenance.json": evidence.provenance(system, {"seed": seed, **(set or {})}),
+        "sbom.cdx.json": evidence.bill_of_materials(system),
+    }
+    with filled(folder) as draft:
+        written = _Folder(draft)
+        for form in FORMS:
+            _write_form(system, results, form, about, written)
+        for name, content in {
+            "OspSystemStructure.xml": documents.osp(system),
+            "README.md": documents.readme(system, results),
+            "report.html": _report(loaded, fmus),
+            **about,
+        }.items():
+            written.add(name, content)
+        written.add(checksums.NAME, checksums.listed(written.files))
     return system
 
 
-def _write_component(system: System, component: Component, results: reference.Results, folder: Path) -> None:
-    """Parameters, reference results and the two FMUs of one component."""
-    name = component.fmu.name
-    parameters = documents.parameters(system, component)
-    tables = {"ref": reference.csv(results.outputs)}
-    if results.inputs:
-        tables["in"] = reference.csv(results.inputs)
-    _write(folder / "parameters" / f"{component.name}.ssv", parameters)
-    _write(folder / "reference" / f"{name}_ref.opt", documents.options(system))
-    members = {
-        f"{REFERENCES}/fmi-ls-manifest.xml": documents.manifest(),
-        f"{REFERENCES}/experiments.xml": documents.experiments(system, component),
-        f"{REFERENCES}/{system.name}.ssv": parameters,
-    }
-    for kind, table in tables.items():
-        _write(folder / "reference" / f"{name}_{kind}.csv", table)
-        members[f"{REFERENCES}/{system.name}_{kind}.csv"] = table
-    for version, path in (
-        ("fmi2", component.fmu.path),
-        ("fmi3", component.fmu.path.parent / "fmi3" / component.fmu.path.name),
-    ):
-        if not path.is_file():
-            raise InputError(f"{path} is missing; run `make fmus` to build it")
-        with_members(path, folder / version / path.name, members)
+def _report(scenario: Scenario, fmus: Fmus) -> bytes:
+    """Report of the run that the reference results are of."""
+    runs = run_filters(scenario, fmus, {"filter": scenario.filter}, Order.jacobi)
+    with TemporaryDirectory(dir=temporary()) as folder:
+        return report.report_run(recording.of_filter(runs, "filter"), Path(folder)).read_bytes()
 
 
-def _write_system(system: System, results: Mapping[str, reference.Results], folder: Path) -> None:
-    """The descriptions of the system."""
-    parts: dict[str, str | Path] = {"SystemStructure.ssd": documents.system_structure(system)}
+class _Folder:
+    """The folder of an export, with what was written there."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self.files: dict[str, bytes] = {}
+
+    def add(self, name: str, content: str | bytes) -> bytes:
+        """Write a file; its bytes."""
+        written = as_bytes(content)
+        path = self._path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(written)
+        self.files[name] = written
+        return written
+
+
+def _write_form(
+    system: System,
+    results: Mapping[str, reference.Results],
+    form: Form,
+    about: Mapping[str, str | bytes],
+    folder: _Folder,
+) -> None:
+    """The FMUs of one version of FMI, what goes with each of them, and their system."""
+    parts: dict[str, str | bytes] = {"SystemStructure.ssd": documents.system_structure(system, form)}
     for component in system.components:
-        parts[f"resources/{component.fmu.name}.fmu"] = component.fmu.path
-        parts[f"resources/{component.name}.ssv"] = documents.parameters(system, component)
-    write_archive(folder / f"{system.name}.ssp", parts)
-    osp = folder / "OspSystemStructure.xml"
-    if system.enumerations:
-        osp.unlink(missing_ok=True)
-    else:
-        _write(osp, documents.osp(system))
-    _write(folder / "README.md", documents.readme(system, results))
+        files = _component_files(system, component, results[component.name], form)
+        for name, content in files.items():
+            folder.add(form.place(name), content)
+        fmu = f"{component.fmu.name}.fmu"
+        members = _fmu_members(system, component, form, files, about)
+        parts[f"resources/{fmu}"] = folder.add(f"{form.name}/{fmu}", archive_bytes(members))
+        # libcosim aborts at an enumeration in an SSP; the FMUs begin with the right ones
+        bound = documents.parameters(system, component, form, enumerations=form is not FMI2)
+        parts[f"resources/{component.name}.ssv"] = bound
+    folder.add(f"{system.name}{form.suffix}.ssp", archive_bytes(parts))
 
 
-def _write(path: Path, text: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8", newline="\n")
+def _fmu_members(
+    system: System,
+    component: Component,
+    form: Form,
+    files: Mapping[str, str | bytes],
+    about: Mapping[str, str | bytes],
+) -> dict[str, bytes]:
+    """An FMU with its start values, its reference experiment and the evidence."""
+    built = read_archive(form.archive(component.fmu))
+    experiment = {
+        documents.experiment_file(system, name): content
+        for name, content in files.items()
+        if not name.endswith(".opt") and not name.startswith(f"{SKELETONS}/")
+    }
+    experiment["experiments.xml"] = documents.experiments(system, component)
+    experiment["fmi-ls-manifest.xml"] = documents.manifest(system, list(experiment))
+    added = {
+        **start_values.members(system, component, built),
+        **{f"{replay.FOLDER}/{name}": content for name, content in experiment.items()},
+        **{f"{evidence.FOLDER}/{name}": content for name, content in about.items()},
+    }
+    return checksums.with_list({**built, **{n: as_bytes(c) for n, c in added.items()}}, evidence.FOLDER)
+
+
+def _component_files(
+    system: System, component: Component, results: reference.Results, form: Form
+) -> dict[str, str | bytes]:
+    """Parameters and reference results of a component, which lie beside the FMUs and in each."""
+    name = component.fmu.name
+    files: dict[str, str | bytes] = {
+        f"parameters/{component.name}.ssv": documents.parameters(system, component, form),
+        f"reference/{name}_ref.csv": reference.csv(
+            results.outputs, form.entries(component, component.outputs)
+        ),
+        f"reference/{name}_ref.opt": documents.options(system),
+    }
+    if component.inputs:
+        inputs = form.entries(component, component.inputs)
+        files[f"reference/{name}_in.csv"] = reference.csv(results.inputs, inputs)
+        first = {column: values[:2] for column, values in results.inputs.items()}
+        files[f"{SKELETONS}/{name}_in.csv"] = reference.csv(first, inputs)
+    if form is FMI2:  # of the instance that ran
+        files[f"reference/{name}_end.state"] = results.state
+    return files

@@ -1,49 +1,54 @@
-"""The texts that describe a system: SSP 1.0, Open Simulation Platform, FMI-LS-REF, cross-check, README."""
+"""The texts that describe a system: SSP, Open Simulation Platform, FMI-LS-REF, cross-check, README."""
 
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path, PurePosixPath
 
 import jinja2
 
+from sim_scenarios.exchange.forms import FMI2, Entry, Form
 from sim_scenarios.exchange.reference import OUTPUT_INTERVAL, Results
+from sim_scenarios.exchange.start_values import xml_text
 from sim_scenarios.exchange.system import Component, System
-from sim_scenarios.fmus import Number, Variable
 
 TEMPLATES = Path(__file__).parents[1] / "templates" / "exchange"
 FINAL = ("nav.time", "nav.heading", "heading_sigma", "nav.roll", "nav.pitch", "nav.latitude", "nav.longitude")
 """Outputs of the filter whose last values a partner sees at a glance."""
-TYPES = {"Enumeration": "Integer"}
-"""How enumerations are set: libcosim and FMPy take their numbers, not their names, in parameter sets."""
 
 
-def system_structure(system: System) -> str:
+def system_structure(system: System, form: Form) -> str:
     """SystemStructure.ssd."""
-    return _render("SystemStructure.ssd.xml", system=system)
+    return _render("SystemStructure.ssd.xml", system=system, form=form)
 
 
-def parameters(system: System, component: Component) -> str:
+def parameters(system: System, component: Component, form: Form, *, enumerations: bool = True) -> str:
     """Parameter set (SSV) of a component; those of a system have one name, by which Ecos chooses them."""
-    return _render("parameters.ssv.xml", system=system, component=component)
+    kept = [e for e in form.entries(component, component.values) if enumerations or e.kind != "Enumeration"]
+    return _render("parameters.ssv.xml", system=system, component=component, form=form, entries=kept)
 
 
 def osp(system: System) -> str:
     """OspSystemStructure.xml."""
-    return _render("OspSystemStructure.xml", system=system)
+    return _render("OspSystemStructure.xml", system=system, form=FMI2)
 
 
-def manifest() -> str:
-    """Manifest of FMI-LS-REF."""
-    return _render("fmi-ls-manifest.xml")
+def manifest(system: System, files: Sequence[str]) -> str:
+    """Manifest of FMI-LS-REF, for the files of one experiment."""
+    return _render("fmi-ls-manifest.xml", system=system, files=files)
 
 
 def experiments(system: System, component: Component) -> str:
     """Experiments of FMI-LS-REF: one, the scenario."""
     return _render("experiments.xml", system=system, component=component)
+
+
+def experiment_file(system: System, name: str) -> str:
+    """What a file of parameters or results is called in the FMU."""
+    return f"{system.name}{'.ssv' if name.endswith('.ssv') else name[name.rindex('_') :]}"
 
 
 def options(system: System) -> str:
@@ -68,15 +73,13 @@ def _platforms(component: Component) -> set[str]:
         return {PurePosixPath(name).parts[1] for name in content.namelist() if name.startswith("binaries/")}
 
 
-def _type(variable: Variable) -> str:
-    return TYPES.get(variable.kind, variable.kind)
-
-
-def _value(variable: Variable, value: Number) -> str:
-    """Value as XML has it."""
-    if variable.kind == "Boolean":
-        return "true" if value else "false"
-    return repr(float(value)) if variable.kind == "Real" else str(int(value))
+def _stated(component: Component, entry: Entry) -> str:
+    """Value of a parameter as SSP has it: numbers, or the name of an item."""
+    if entry.kind == "Enumeration":
+        (variable,) = entry.elements
+        return variable.display(component.value(variable.name))
+    values = {element.name: component.value(element.name) for element in entry.elements}
+    return entry.text(xml_text, values)
 
 
 @cache
@@ -89,8 +92,7 @@ def _environment() -> jinja2.Environment:
         keep_trailing_newline=True,
         autoescape=jinja2.select_autoescape(["xml"]),
     )
-    environment.filters |= {"type": _type}
-    environment.globals |= {"value": _value}
+    environment.globals |= {"stated": _stated}
     return environment
 
 

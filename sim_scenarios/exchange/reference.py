@@ -6,7 +6,7 @@ tools do.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import pairwise
@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim_scenarios.cosimulation import Order, Table
+from sim_scenarios.exchange.forms import Entry
+from sim_scenarios.exchange.start_values import text
 from sim_scenarios.exchange.system import System
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.instance import Port
@@ -26,17 +28,33 @@ Columns = Mapping[str, NDArray[Any]]
 OUTPUT_INTERVAL = 1.0
 """Between two rows of the outputs [s]; inputs have a row for each step."""
 
+ENDLESS = 1e9
+"""Longer than any experiment [s]."""
+
 
 @dataclass(frozen=True)
 class Results:
-    """Columns by name, the first being the time; `inputs` is empty for what has none."""
+    """What a component took and put out.
+
+    Attributes
+    ----------
+    inputs, outputs : mapping of str to ndarray
+        Columns by name, the first being the time; `inputs` is empty for what has none.
+    state : bytes
+        Of the FMI 2 instance at the end.
+    """
 
     inputs: Columns
     outputs: Columns
+    state: bytes
 
 
 def simulate(scenario: Scenario, fmus: Fmus, system: System) -> dict[str, Results]:
-    """Run a system; the results of its components by their names."""
+    """Run a system; the results of its components by their names.
+
+    The FMUs are not told when the experiment ends, so that an importer may go on from their last states.
+    """
+    scenario = scenario.model_copy(update={"duration": ENDLESS})
     times = system.step * np.arange(round(system.stop / system.step) + 1)
     every = max(1, round(OUTPUT_INTERVAL / system.step))
     rows = (len(times) - 1) // every + 1
@@ -63,16 +81,25 @@ def simulate(scenario: Scenario, fmus: Fmus, system: System) -> dict[str, Result
         for connection, table in zip(system.connections, signals, strict=True):
             columns = table.columns()
             inputs[connection.end] |= {name: columns[output] for name, output in connection.outputs.items()}
+        states = {name: instance.state() for name, instance in by_name.items()}
         shown = {name: {"time": times[::every], **table.columns()} for name, table in outputs.items()}
     return {
-        name: Results({"time": times, **inputs[name]} if inputs[name] else {}, shown[name]) for name in shown
+        name: Results({"time": times, **inputs[name]} if inputs[name] else {}, shown[name], states[name])
+        for name in shown
     }
 
 
-def csv(columns: Columns) -> str:
-    """Columns as text that reads back to the same bits."""
-    header = ",".join(f'"{name}"' if "," in name else name for name in columns)
-    rows: Sequence[tuple[object, ...]] = list(
-        zip(*(column.tolist() for column in columns.values()), strict=True)
-    )
-    return "\n".join([header, *(",".join(map(repr, row)) for row in rows), ""])
+def csv(columns: Columns, entries: Sequence[Entry]) -> str:
+    """Columns as text that reads back to the same bits; elements of an array stand in one column.
+
+    The form is that of the FMI cross-check, which fmusim and FMPy extend to arrays.
+    """
+    header = [f'"{entry.name}"' if "," in entry.name else entry.name for entry in entries]
+    cells = [_cells(entry, columns) for entry in entries]
+    rows = zip(map(repr, columns["time"].tolist()), *cells, strict=True)
+    return "\n".join([",".join(["time", *header]), *map(",".join, rows), ""])
+
+
+def _cells(entry: Entry, columns: Columns) -> Iterator[str]:
+    elements = [[text(e, value) for value in columns[e.name].tolist()] for e in entry.elements]
+    return map(" ".join, zip(*elements, strict=True))

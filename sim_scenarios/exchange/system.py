@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 
 from sim_scenarios.cosimulation import connected, handed_over
-from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number, Variable
+from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.simulation import TRUTH, filter_values, initial_values, start_plant
 
@@ -39,9 +39,9 @@ class Component:
     inputs: list[str]
     outputs: list[str]
 
-    def variables(self, names: list[str]) -> list[Variable]:
-        """Variables by name."""
-        return [self.fmu.variables[name] for name in names]
+    def value(self, name: str) -> Number:
+        """Value of a scalar before initialisation: what is set, else the FMU's own."""
+        return self.values[name] if name in self.values else self.fmu.start(name)
 
     @property
     def units(self) -> dict[str, dict[str, int]]:
@@ -51,20 +51,6 @@ class Component:
             for unit in self.fmu.model.unitDefinitions
             if unit.baseUnit is not None
         }
-
-    @property
-    def parameters(self) -> list[tuple[Variable, Number]]:
-        """What must be set, with its value: all but the enumerations that have this value anyway."""
-        return [
-            (self.fmu.variables[name], value)
-            for name, value in self.values.items()
-            if self.fmu.variables[name].kind != "Enumeration" or value != self.fmu.start(name)
-        ]
-
-    @property
-    def enumerations(self) -> list[str]:
-        """Enumerations that must be set."""
-        return [variable.name for variable, _ in self.parameters if variable.kind == "Enumeration"]
 
 
 @dataclass(frozen=True)
@@ -112,11 +98,6 @@ class System:
     def components(self) -> list[Component]:
         """In the order of stepping."""
         return [self.plant, *([self.alignment] if self.alignment else []), self.filter]
-
-    @property
-    def enumerations(self) -> list[str]:
-        """Enumerations that must be set, which libcosim cannot do."""
-        return [name for component in self.components for name in component.enumerations]
 
     @property
     def units(self) -> dict[str, dict[str, int]]:

@@ -1,17 +1,21 @@
 """The papers that the filters come from: what each prints, and where its conditions are found here.
 
-A paper is a TOML file. Its experiments name a scenario, and tables of what the paper prints for some of the
-filters that the scenario compares ::
+A paper is a TOML file. Its figures say what is drawn for each figure and table that the paper numbers, or why
+nothing is; its experiments name a scenario, and tables of what the paper prints for some of the filters that
+the scenario compares ::
 
     citation = "..."
     verdict = "What of the paper holds, in a sentence"
     runs = 50
 
     [[experiment]]
+    name = "printed"                     # by which figures refer to it
     scenario = "swaying_ship_printed"
     set = { "gnss.rate" = 10.0 }         # as --set of `truenorth run`; may be left out
-    also = ["EKF"]                       # filters that are drawn, of which the paper says nothing
-    picture = "heading"                  # the figure whose root mean square over runs is drawn over time
+    residuals = "parked.csv.gz"          # a recording (see `recorded_imu`) whose residuals join the noise
+    also = ["EKF"]                       # filters that run, of which the paper says nothing
+    cost = 2.5                           # seconds of one core a run, as measured
+    time = { "UKF / EKF" = "larger" }    # what the paper says of the time of a step
 
     [[experiment.table]]
     title = "Fig. 3, 300 to 600 s"
@@ -22,48 +26,82 @@ filters that the scenario compares ::
     "UKF" = { heading = 16.9 }
     "robust UKF / UKF" = { heading = 0.25, settling = "sooner" }
 
-A paper that says no number is quoted in a word.
+    [[figure]]
+    number = "Fig. 3"
+    shows = "What the paper's figure shows"
+    here = "What is drawn instead, or why nothing is"
+
+    [[figure.picture]]                   # any number of them
+    experiment = "printed"
+    kind = "run"                         # of `plots.ensemble`
+    panels = ["heading"]                 # of `plots.ensemble.PANELS`
+    filters = ["UKF"]                    # all, if left out
+    window = [300.0, 600.0]              # s; the whole run, if left out
+
+    [[sweep]]                            # how far a filter gets: the same with one thing changed
+    name = "range"
+    title = "..."
+    scenario = "static_large_misalignment"
+    entry = "initial_error.misalignment"
+    values = [10.0, 20.0]                # of what stands in braces below
+    value = ["10 deg", "20 deg", "{} deg"]
+    axis = "heading error at the start [deg]"
+    filters = ["EKF", "UKF"]
+    runs = 10
+    cost = 0.3
+
+A paper that says no number is quoted in a word. A figure without a number is ours: the paper has none such.
 """
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Literal
 
-from pydantic import AfterValidator, Field, ValidationError
+from pydantic import AfterValidator, Field, StringConstraints, ValidationError, model_validator
 
+from sim_scenarios import toml
 from sim_scenarios.ensemble import FIGURES
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
+from sim_scenarios.plots.ensemble import PANELS
 from sim_scenarios.scenario import Table
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 SHIPPED: Final = Path(__file__).parent
 
 OVER: Final = " / "
 """Between the two filters of a ratio."""
 
+Window = tuple[float, float]
+Cost = Annotated[float, Field(gt=0)]
+"""Seconds of one core a run."""
+Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
+
 
 def _figure(name: str) -> str:
-    if name in FIGURES:
+    return _known("figure", name, list(FIGURES))
+
+
+def _panel(name: str) -> str:
+    return _known("panel", name, list(PANELS))
+
+
+def _known(what: str, name: str, names: list[str]) -> str:
+    if name in names:
         return name
-    hint = did_you_mean(name, list(FIGURES)) or f"; there are {', '.join(FIGURES)}"
-    raise ValueError(f"there is no figure '{name}'{hint}")
+    hint = did_you_mean(name, names) or f"; there are {', '.join(names)}"
+    raise ValueError(f"there is no {what} '{name}'{hint}")
 
 
 FigureName = Annotated[str, AfterValidator(_figure)]
+PanelName = Annotated[str, AfterValidator(_panel)]
 
 
 class Printed(Table):
-    """A table or a picture of a paper."""
+    """A table or a picture of a paper, in figures."""
 
     title: str
-    window: tuple[float, float] | None = None
+    window: Window | None = None
     printed: dict[str, dict[FigureName, float | str]]
     differences: dict[FigureName, str] = Field(default={})
 
@@ -71,11 +109,14 @@ class Printed(Table):
 class Experiment(Table):
     """A scenario, and what the paper prints of it."""
 
+    name: Text
     scenario: str
     set: dict[str, Any] = Field(default={})
+    residuals: str | None = None
     also: tuple[str, ...] = ()
-    picture: FigureName
-    table: tuple[Printed, ...]
+    cost: Cost
+    table: tuple[Printed, ...] = ()
+    time: dict[str, str] = Field(default={})
 
     def labels(self) -> list[str]:
         """Filters that run."""
@@ -83,14 +124,92 @@ class Experiment(Table):
         return list(dict.fromkeys([*named, *self.also]))
 
 
+class Sweep(Table):
+    """Filters of a scenario from start to start, to see from where they still converge."""
+
+    name: Text
+    title: Text
+    scenario: str
+    set: dict[str, Any] = Field(default={})
+    entry: Text
+    values: Annotated[tuple[float, ...], Field(min_length=2)]
+    value: tuple[str, ...]
+    axis: Text
+    filters: Annotated[tuple[str, ...], Field(min_length=1)]
+    runs: Annotated[int, Field(ge=1)]
+    cost: Cost
+
+    def experiments(self) -> list[Experiment]:
+        """One for each value."""
+        return [
+            Experiment(
+                name=f"{self.name} {value:g}",
+                scenario=self.scenario,
+                set={**self.set, self.entry: [part.format(f"{value:g}") for part in self.value]},
+                also=self.filters,
+                cost=self.cost,
+            )
+            for value in self.values
+        ]
+
+
+class Picture(Table):
+    """Curves of an experiment."""
+
+    experiment: Text
+    kind: Literal["run", "rms", "value", "distribution"]
+    panels: Annotated[tuple[PanelName, ...], Field(min_length=1)]
+    filters: tuple[str, ...] = ()
+    window: Window | None = None
+
+
+class PaperFigure(Table):
+    """A figure or table of a paper, and what stands here in its place; ours, if it has no number."""
+
+    number: Text | None = None
+    shows: Text
+    here: Text
+    picture: tuple[Picture, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """Its number, or that it is ours."""
+        return self.number or "Ours"
+
+
 class Paper(Table):
     """A paper."""
 
     name: str
-    citation: str
-    verdict: str
+    citation: Text
+    verdict: Text
     runs: Annotated[int, Field(ge=1)]
+    figure: tuple[PaperFigure, ...]
     experiment: tuple[Experiment, ...]
+    sweep: tuple[Sweep, ...] = ()
+
+    @model_validator(mode="after")
+    def _pictures_are_of_experiments(self) -> Paper:
+        labels = {experiment.name: experiment.labels() for experiment in self.experiment}
+        if len(labels) < len(self.experiment):
+            raise ValueError("two experiments have one name")
+        for picture in self.pictures():
+            if picture.experiment not in labels:
+                raise ValueError(f"there is no experiment '{picture.experiment}'")
+            for label in picture.filters:
+                _known("filter", label, labels[picture.experiment])
+        return self
+
+    def pictures(self) -> list[Picture]:
+        """All of them."""
+        return [picture for figure in self.figure for picture in figure.picture]
+
+    def listing(self) -> list[list[str]]:
+        """What the paper numbers and what stands here in its place, the heading first."""
+        return [
+            ["", "In the paper", "Here"],
+            *([figure.title, figure.shows, figure.here] for figure in self.figure),
+        ]
 
 
 def shipped() -> dict[str, Path]:
@@ -104,7 +223,7 @@ def load_paper(name: str) -> Paper:
     if name not in papers:
         hint = did_you_mean(name, list(papers)) or f"; there are {', '.join(papers)}"
         raise InputError(f"there is no paper '{name}'{hint}")
-    content = tomllib.loads(papers[name].read_text(encoding="utf-8"))
+    content = toml.read(papers[name])
     try:
         return Paper.model_validate({"name": name, **content})
     except ValidationError as error:

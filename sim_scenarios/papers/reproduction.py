@@ -2,15 +2,51 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, Final
 
-from sim_scenarios.cosimulation import Progress, part_of
-from sim_scenarios.ensemble import FIGURES, Ensemble, Window, ensemble
-from sim_scenarios.papers import OVER, Experiment, Paper, Printed
+from numpy.typing import ArrayLike
+
+from sim_scenarios.campaigns.statistics import (
+    Estimate,
+    mean_of,
+    paired_ratio,
+    ratio_of_means,
+    root_mean_square,
+)
+from sim_scenarios.cosimulation import Progress
+from sim_scenarios.ensemble import (
+    FIGURES,
+    Ensemble,
+    Errors,
+    Window,
+    at_end,
+    ensemble,
+    largest,
+    mean_rmse,
+    rmse,
+    run_file,
+)
+from sim_scenarios.fmus import Fmus
+from sim_scenarios.papers import OVER, Experiment, Paper, Printed, Sweep
+from sim_scenarios.recorded_imu import RECORDINGS, recording_named
+from sim_scenarios.scenario import Scenario, load_scenario
+
+OfOne = Callable[[ArrayLike], Estimate]
+OfTwo = Callable[[ArrayLike, ArrayLike], Estimate]
+INTERVALS: Final[Mapping[Callable[[Errors], float], tuple[OfOne, OfTwo]]] = {
+    rmse: (root_mean_square, paired_ratio),
+    mean_rmse: (mean_of, ratio_of_means),
+    largest: (mean_of, ratio_of_means),
+    at_end: (mean_of, ratio_of_means),
+}
+"""What gives the interval of a statistic of runs, and of its ratio, from the statistic of every run."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +62,8 @@ class Row:
     printed : float or str
     measured : float
         Over all runs, in the unit of the figure; a ratio has none.
+    interval : tuple of float or None
+        Of 95 %; None of a figure that has none, or of a single run.
     spread : tuple of float or None
         Smallest and largest of a single run.
     """
@@ -34,6 +72,7 @@ class Row:
     figure: str
     printed: float | str
     measured: float
+    interval: Window | None
     spread: Window | None
 
     @property
@@ -44,8 +83,15 @@ class Row:
 
     def cells(self) -> list[str]:
         """A line of the table."""
-        spread = " to ".join(map(_number, self.spread)) if self.spread else ""
-        return [self.label, self.title, _number(self.printed), _number(self.measured), spread]
+        measured = _number(self.measured)
+        return [
+            self.label,
+            self.title,
+            _number(self.printed),
+            measured,
+            _range(self.interval),
+            _range(self.spread),
+        ]
 
     def to_json(self) -> dict[str, Any]:
         """The same for machines."""
@@ -55,6 +101,7 @@ class Row:
             "unit": "1" if OVER in self.label else FIGURES[self.figure].unit,
             "printed": self.printed,
             "measured": self.measured if math.isfinite(self.measured) else None,
+            "interval": self.interval,
             "smallest_and_largest_run": self.spread
             and [x if math.isfinite(x) else None for x in self.spread],
         }
@@ -70,7 +117,7 @@ class Reproduced:
 
     def cells(self) -> list[list[str]]:
         """The table with its heading."""
-        heading = ["Filter", "Figure", "Paper", "Here", "Single runs"]
+        heading = ["Filter", "Figure", "Paper", "Here", "95 %", "Single runs"]
         return [heading, *(row.cells() for row in self.rows)]
 
     def to_json(self) -> dict[str, Any]:
@@ -87,25 +134,143 @@ class Result:
     """An experiment of a paper with its runs."""
 
     experiment: Experiment
+    scenario: Scenario
     ensemble: Ensemble
     tables: list[Reproduced]
 
 
-def reproduce(
-    paper: Paper, pool: ProcessPoolExecutor, runs: int, seed: int, progress: Progress = lambda _: None
-) -> Iterator[Result]:
-    """Run the experiments of a paper, one after another; each is dropped when the next begins."""
-    seeds = range(seed, seed + runs)
-    for i, experiment in enumerate(paper.experiment):
-        measured = ensemble(
-            pool,
-            experiment.scenario,
-            seeds,
-            experiment.labels(),
-            experiment.set,
-            part_of(progress, i, len(paper.experiment)),
+@dataclass(frozen=True)
+class Plan:
+    """What is to be done for an experiment.
+
+    Attributes
+    ----------
+    experiment : Experiment
+    scenario : Scenario
+    seeds : sequence of int
+    residuals : Path or None
+        Recording whose residuals join the noise.
+    kept : Path
+        Folder of its runs; another one for every change of scenario, filters or FMUs.
+    """
+
+    experiment: Experiment
+    scenario: Scenario
+    seeds: Sequence[int]
+    residuals: Path | None
+    kept: Path
+
+    @property
+    def missing(self) -> int:
+        """Runs that are not there yet."""
+        return sum(not run_file(self.kept, seed).is_file() for seed in self.seeds)
+
+    @property
+    def cost(self) -> float:
+        """Seconds of one core that the missing runs take."""
+        return self.experiment.cost * self.missing
+
+
+@dataclass(frozen=True)
+class Plans:
+    """What is to be done for a paper.
+
+    Attributes
+    ----------
+    experiments : list of Plan
+    sweeps : list of tuple of Sweep and list of Plan
+        A plan for each value.
+    left_out : list of str
+        Experiments that cannot be done, and why, in a sentence each.
+    """
+
+    experiments: list[Plan]
+    sweeps: list[tuple[Sweep, list[Plan]]]
+    left_out: list[str]
+
+    @property
+    def all(self) -> list[Plan]:
+        """All of them."""
+        return [*self.experiments, *(plan for _, of_sweep in self.sweeps for plan in of_sweep)]
+
+    def swept_by(self, plan: Plan) -> tuple[Sweep, float]:
+        """Sweep that a plan belongs to, and its value there."""
+        return next(
+            (sweep, sweep.values[of_sweep.index(plan)]) for sweep, of_sweep in self.sweeps if plan in of_sweep
         )
-        yield Result(experiment, measured, [beside(table, measured) for table in experiment.table])
+
+
+def plans(paper: Paper, seeds: Sequence[int], folder: Path) -> Plans:
+    """What is to be done for a paper whose results go into a folder; makes the folders of its runs.
+
+    A sweep has as many runs at each of its values as it says, or fewer if there are fewer seeds.
+    """
+    fmus = Fmus()
+
+    def plan(experiment: Experiment, seeds: Sequence[int], residuals: Path | None = None) -> Plan:
+        scenario = load_scenario(experiment.scenario, fmus, settings=experiment.set)
+        identity = _identity(scenario, experiment, fmus, residuals)
+        kept = folder / "runs" / f"{experiment.name.replace(' ', '_')}-{identity}"
+        kept.mkdir(parents=True, exist_ok=True)
+        return Plan(experiment, scenario, seeds, residuals, kept)
+
+    experiments, left_out = [], []
+    for experiment in paper.experiment:
+        residuals = recording_named(experiment.residuals) if experiment.residuals else None
+        if experiment.residuals and residuals is None:
+            left_out.append(
+                f"{experiment.name}: not run, {experiment.residuals} is not in the folder that the "
+                f"environment variable {RECORDINGS} names"
+            )
+        else:
+            experiments.append(plan(experiment, seeds, residuals))
+    sweeps = [(sweep, [plan(e, seeds[: sweep.runs]) for e in sweep.experiments()]) for sweep in paper.sweep]
+    return Plans(experiments, sweeps, left_out)
+
+
+def run_plans(
+    planned: Sequence[Plan], pool: ProcessPoolExecutor, progress: Progress = lambda _: None
+) -> Iterator[tuple[Plan, Ensemble]]:
+    """Run the experiments of a paper, one after another; each is dropped when the next begins."""
+    costs = [plan.cost for plan in planned]
+    whole, done = sum(costs) or 1.0, 0.0
+    for plan, cost in zip(planned, costs, strict=True):
+        experiment = plan.experiment
+
+        def advance(share: float, before: float = done, cost: float = cost) -> None:
+            progress((before + share * cost) / whole)
+
+        yield (
+            plan,
+            ensemble(
+                pool,
+                experiment.scenario,
+                plan.seeds,
+                experiment.labels(),
+                experiment.set,
+                advance,
+                plan.kept,
+                plan.residuals,
+            ),
+        )
+        done += cost
+
+
+def result_of(plan: Plan, measured: Ensemble) -> Result:
+    """An experiment with what it measured, beside what is printed."""
+    tables = [beside(table, measured) for table in plan.experiment.table]
+    return Result(plan.experiment, plan.scenario, measured, tables)
+
+
+def _identity(scenario: Scenario, experiment: Experiment, fmus: Fmus, residuals: Path | None) -> str:
+    """Of all that decides what a run of an experiment is, its seed apart."""
+    content = {
+        "residuals": residuals and hashlib.sha256(residuals.read_bytes()).hexdigest(),
+        "scenario": scenario.model_dump(mode="json"),
+        "labels": experiment.labels(),
+        "fmus": {name: fmus[name].guid for name in scenario.fmu_names()},
+    }
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
 
 
 def beside(table: Printed, measured: Ensemble) -> Reproduced:
@@ -122,10 +287,25 @@ def beside(table: Printed, measured: Ensemble) -> Reproduced:
 def _row(label: str, name: str, printed: float | str, measured: Ensemble, window: Window) -> Row:
     one, _, other = label.partition(OVER)
     value = measured.figure(name, one, window, over=other or None)
-    if other:
-        return Row(label, name, printed, value, None)
-    each = FIGURES[name].of_each(measured.filters[one], window)
-    return Row(label, name, printed, value, (min(each), max(each)))
+    each = [FIGURES[name].of_each(measured.filters[which], window) for which in (one, other) if which]
+    spread = None if other else (min(each[0]), max(each[0]))
+    return Row(label, name, printed, value, _interval(name, each), spread)
+
+
+def _interval(name: str, each: Sequence[Sequence[float]]) -> Window | None:
+    """Interval of a figure, or of the ratio of two filters over the same runs, from those of single runs.
+
+    A time of the root mean square over runs is no mean of times of runs, and has none.
+    """
+    if FIGURES[name].statistic not in INTERVALS:
+        return None
+    of_one, of_two = INTERVALS[FIGURES[name].statistic]
+    estimate = of_one(each[0]) if len(each) == 1 else of_two(*each)
+    return (estimate.lower, estimate.upper) if math.isfinite(estimate.lower) else None
+
+
+def _range(of: Window | None) -> str:
+    return " to ".join(map(_number, of)) if of else ""
 
 
 def _number(value: float | str) -> str:

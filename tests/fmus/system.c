@@ -1,22 +1,21 @@
-/* Runs a system of FMUs (FMI 2, co-simulation) without Python, so that binaries for other platforms can be
-   tried under an emulator. All step at once from the values at the beginning of the step.
+/* Runs a system of FMUs (co-simulation) without Python, so that binaries for other platforms can be tried under
+   an emulator. All step at once from the values at the beginning of the step. Compiled with -DFMI=2 or -DFMI=3:
+   what differs stands in calls2.h and calls3.h.
 
-   system {<binary> <guid> <model name>} ... < orders > results
+   system {<binary> <guid or token> <model name> <location of the resources>} ... < orders > results
 
    Orders are words, numbers in C's hexadecimal notation (%a) so that no digit is lost; R, I and B stand for
-   Real, Integer and Boolean:
+   real numbers, 32-bit integers and Booleans, and the size is the number of elements (1 in FMI 2):
        <step> <steps>
        for each FMU:
-           <parameters>  {R|I|B <value reference> <value>} ...      set before initialisation
-           <outputs>     {R|I|B <value reference>} ...              shown
-       <connections>     {<FMU> R|I|B <value reference> <FMU> R|I|B <value reference>} ...
-                                                                    from an output to an input of a later FMU
+           <parameters>  {R|I|B <value reference> <size> <value> ...} ...    set before initialisation
+           <outputs>     {R|I|B <value reference> <size>} ...                shown
+       <connections>     {<FMU> <output> <FMU> <input>} ...                  from an output to an input of a later
+                                                                            FMU, each as R|I|B <reference> <size>
    Results are one line after initialisation and after each step: the outputs of all.
    The exit code is 0 if every call succeeded. */
 #include <stdio.h>
 #include <stdlib.h>
-
-#include "fmi2FunctionTypes.h"
 
 #ifdef _WIN32
 #include <windows.h>
@@ -30,29 +29,18 @@ typedef HMODULE Library;
 typedef void* Library;
 #endif
 
+enum { LARGEST = 256 }; /* elements of an array */
+
 typedef struct {
     char kind;
-    fmi2ValueReference reference;
+    unsigned reference;
+    size_t size;
 } Variable;
 
 typedef struct {
     int from, to; /* FMUs */
     Variable output, input;
 } Connection;
-
-typedef struct {
-    Library library;
-    fmi2Component instance;
-    int output_count;
-    Variable* outputs;
-    fmi2SetRealTYPE* set_real;
-    fmi2SetIntegerTYPE* set_integer;
-    fmi2SetBooleanTYPE* set_boolean;
-    fmi2GetRealTYPE* get_real;
-    fmi2GetIntegerTYPE* get_integer;
-    fmi2GetBooleanTYPE* get_boolean;
-    fmi2DoStepTYPE* do_step;
-} Fmu;
 
 static void must(int condition, const char* what) {
     if (!condition) {
@@ -61,11 +49,18 @@ static void must(int condition, const char* what) {
     }
 }
 
-static void report(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
-                   fmi2String category, fmi2String message, ...) {
-    (void)environment, (void)status, (void)message;
-    fprintf(stderr, "system: %s logs in %s\n", instance, category);
-}
+/* Defines Calls, load, instantiate, set, get, enter_initialisation, exit_initialisation, do_step, free_instance. */
+#if FMI == 2
+#include "calls2.h"
+#else
+#include "calls3.h"
+#endif
+
+typedef struct {
+    Calls calls;
+    int output_count;
+    Variable* outputs;
+} Fmu;
 
 static double number(void) {
     double value = 0;
@@ -75,7 +70,8 @@ static double number(void) {
 
 static Variable variable(void) {
     Variable result;
-    must(scanf(" %c %u", &result.kind, &result.reference) == 2, "reading a variable");
+    must(scanf(" %c %u %zu", &result.kind, &result.reference, &result.size) == 3, "reading a variable");
+    must(result.size <= LARGEST, "an array of this size");
     return result;
 }
 
@@ -85,41 +81,18 @@ static void* space(int count, size_t size) {
     return result;
 }
 
-static void set(const Fmu* fmu, Variable v, double value) {
-    const fmi2Integer whole = (fmi2Integer)value;
-    must((v.kind == 'R'   ? fmu->set_real(fmu->instance, &v.reference, 1, &value)
-          : v.kind == 'I' ? fmu->set_integer(fmu->instance, &v.reference, 1, &whole)
-                          : fmu->set_boolean(fmu->instance, &v.reference, 1, &whole)) == fmi2OK,
-         "setting a variable");
-}
-
-static double get(const Fmu* fmu, Variable v) {
-    double value = 0;
-    fmi2Integer whole = 0;
-    must((v.kind == 'R'   ? fmu->get_real(fmu->instance, &v.reference, 1, &value)
-          : v.kind == 'I' ? fmu->get_integer(fmu->instance, &v.reference, 1, &whole)
-                          : fmu->get_boolean(fmu->instance, &v.reference, 1, &whole)) == fmi2OK,
-         "getting a variable");
-    return v.kind == 'R' ? value : whole;
-}
-
 /* An instance with its parameters, before initialisation. */
-static Fmu prepared(char** words, const fmi2CallbackFunctions* environment) {
-    Fmu fmu = {.library = OPEN(words[0])};
-    must(fmu.library != NULL, "loading a binary");
-    fmu.set_real = (fmi2SetRealTYPE*)FIND(fmu.library, "fmi2SetReal");
-    fmu.set_integer = (fmi2SetIntegerTYPE*)FIND(fmu.library, "fmi2SetInteger");
-    fmu.set_boolean = (fmi2SetBooleanTYPE*)FIND(fmu.library, "fmi2SetBoolean");
-    fmu.get_real = (fmi2GetRealTYPE*)FIND(fmu.library, "fmi2GetReal");
-    fmu.get_integer = (fmi2GetIntegerTYPE*)FIND(fmu.library, "fmi2GetInteger");
-    fmu.get_boolean = (fmi2GetBooleanTYPE*)FIND(fmu.library, "fmi2GetBoolean");
-    fmu.do_step = (fmi2DoStepTYPE*)FIND(fmu.library, "fmi2DoStep");
-    fmu.instance = ((fmi2InstantiateTYPE*)FIND(fmu.library, "fmi2Instantiate"))(
-        words[2], fmi2CoSimulation, words[1], NULL, environment, fmi2False, fmi2False);
-    must(fmu.instance != NULL, "fmi2Instantiate");
+static Fmu prepared(char** words) {
+    Fmu fmu;
+    double values[LARGEST];
+    const Library library = OPEN(words[0]);
+    must(library != NULL, "loading a binary");
+    fmu.calls = load(library);
+    must(instantiate(&fmu.calls, library, words[2], words[1], words[3]), "instantiating");
     for (int left = (int)number(); left > 0; --left) {
         const Variable parameter = variable();
-        set(&fmu, parameter, number());
+        for (size_t i = 0; i < parameter.size; ++i) values[i] = number();
+        must(set(&fmu.calls, parameter, values), "setting a parameter");
     }
     fmu.output_count = (int)number();
     fmu.outputs = space(fmu.output_count, sizeof *fmu.outputs);
@@ -127,41 +100,32 @@ static Fmu prepared(char** words, const fmi2CallbackFunctions* environment) {
     return fmu;
 }
 
-static void begin_initialisation(const Fmu* fmu, double stop) {
-    must(((fmi2SetupExperimentTYPE*)FIND(fmu->library, "fmi2SetupExperiment"))(fmu->instance, fmi2False, 0, 0,
-                                                                               fmi2True, stop) == fmi2OK,
-         "fmi2SetupExperiment");
-    must(((fmi2EnterInitializationModeTYPE*)FIND(fmu->library, "fmi2EnterInitializationMode"))(
-             fmu->instance) == fmi2OK,
-         "fmi2EnterInitializationMode");
-}
-
-static void finish_initialisation(const Fmu* fmu) {
-    must(((fmi2ExitInitializationModeTYPE*)FIND(fmu->library, "fmi2ExitInitializationMode"))(fmu->instance) ==
-             fmi2OK,
-         "fmi2ExitInitializationMode");
-}
-
 static void show(const Fmu* fmu) {
-    for (int i = 0; i < fmu->output_count; ++i) printf("%a ", get(fmu, fmu->outputs[i]));
+    double values[LARGEST];
+    for (int i = 0; i < fmu->output_count; ++i) {
+        must(get(&fmu->calls, fmu->outputs[i], values), "getting an output");
+        for (size_t k = 0; k < fmu->outputs[i].size; ++k) printf("%a ", values[k]);
+    }
 }
 
 /* Carries values to one FMU, or to all. */
 static void transfer(const Fmu* fmus, const Connection* connections, int count, int to) {
+    double values[LARGEST];
     for (int i = 0; i < count; ++i) {
         const Connection* c = connections + i;
-        if (to < 0 || c->to == to) set(fmus + c->to, c->input, get(fmus + c->from, c->output));
+        if (to >= 0 && c->to != to) continue;
+        must(get(&fmus[c->from].calls, c->output, values), "getting an output");
+        must(set(&fmus[c->to].calls, c->input, values), "setting an input");
     }
 }
 
 int main(int argc, char** argv) {
-    must(argc > 1 && argc % 3 == 1, "the command line");
-    const int count = argc / 3;
+    must(argc > 1 && argc % 4 == 1, "the command line");
+    const int count = argc / 4;
     const double step = number();
     const int steps = (int)number();
-    const fmi2CallbackFunctions environment = {report, calloc, free, NULL, NULL};
     Fmu* fmus = space(count, sizeof *fmus);
-    for (int k = 0; k < count; ++k) fmus[k] = prepared(argv + 1 + 3 * k, &environment);
+    for (int k = 0; k < count; ++k) fmus[k] = prepared(argv + 1 + 4 * k);
     const int connection_count = (int)number();
     Connection* connections = space(connection_count, sizeof *connections);
     for (int i = 0; i < connection_count; ++i) {
@@ -172,21 +136,17 @@ int main(int argc, char** argv) {
     }
 
     for (int k = 0; k < count; ++k) {
-        begin_initialisation(fmus + k, step * steps);
+        must(enter_initialisation(&fmus[k].calls, step * steps), "entering initialisation mode");
         transfer(fmus, connections, connection_count, k);
-        finish_initialisation(fmus + k);
+        must(exit_initialisation(&fmus[k].calls), "leaving initialisation mode");
     }
     for (int index = 0; index <= steps; ++index) {
         for (int k = 0; k < count; ++k) show(fmus + k);
         printf("\n");
         if (index == steps) break;
         transfer(fmus, connections, connection_count, -1);
-        for (int k = 0; k < count; ++k) {
-            must(fmus[k].do_step(fmus[k].instance, index * step, step, fmi2True) == fmi2OK, "fmi2DoStep");
-        }
+        for (int k = 0; k < count; ++k) must(do_step(&fmus[k].calls, index * step, step), "stepping");
     }
-    for (int k = 0; k < count; ++k) {
-        ((fmi2FreeInstanceTYPE*)FIND(fmus[k].library, "fmi2FreeInstance"))(fmus[k].instance);
-    }
+    for (int k = 0; k < count; ++k) free_instance(&fmus[k].calls);
     return 0;
 }

@@ -4,22 +4,28 @@ from __future__ import annotations
 
 import csv
 import zipfile
+from contextlib import closing
 from pathlib import Path
 
 import fmpy
+import pyssp_standard
 import pytest
 from archives import FMUS
 from fmpy.ssp.simulation import simulate_ssp
-from fmpy.ssp.ssd import ParameterSet, read_ssv
 from fmpy.validation import validate_fmu
 from lxml import etree
 from typer.testing import CliRunner
 
 from sim_scenarios.cli.application import app
 from sim_scenarios.exchange import STEP, System, export
+from sim_scenarios.exchange.forms import FORMS, Form
+from sim_scenarios.exchange.system import of_scenario
 from sim_scenarios.fmus import Fmu, Fmus
+from sim_scenarios.instance import Instance
+from sim_scenarios.scenario import load_scenario
 
 SCHEMAS = Path(fmpy.__file__).parent / "ssp" / "schema"
+SCHEMAS_OF_SSP_2 = Path(pyssp_standard.__file__).parent / "resources" / "ssp2"
 SHORT = {"duration": 20.0, "evaluation.start": 5.0}
 RESULTS = "extra/org.fmi-standard.fmi-ls-ref"
 
@@ -44,10 +50,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory, fmus: Fmus) -> Path:
         ("resources/filter.ssv", "SystemStructureParameterValues.xsd"),
     ],
 )
-def test_schemas(folder: Path, member: str, schema: str) -> None:
-    with zipfile.ZipFile(folder / "swaying_ship.ssp") as content:
+@pytest.mark.parametrize(("archive", "version"), [("swaying_ship", "1.0"), ("swaying_ship_fmi3", "2.0")])
+def test_schemas(folder: Path, archive: str, version: str, member: str, schema: str) -> None:
+    """FMPy has the schemas of SSP 1.0, pyssp-standard those of SSP 2.0."""
+    schemas = SCHEMAS if version == "1.0" else SCHEMAS_OF_SSP_2
+    with zipfile.ZipFile(folder / f"{archive}.ssp") as content:
         document = etree.fromstring(content.read(member))
-    etree.XMLSchema(etree.parse(SCHEMAS / schema)).assertValid(document)
+    assert document.get("version") == version
+    etree.XMLSchema(etree.parse(schemas / schema)).assertValid(document)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +67,6 @@ def aligned(tmp_path_factory: pytest.TempPathFactory, fmus: Fmus) -> tuple[Syste
     settings = {
         **SHORT,
         "alignment.error_model": "large_azimuth",
-        "alignment.predictor": "unscented",  # the default one: libcosim can set no other
         "alignment.prior.heading_sigma": "0.4 deg",
         "alignment.convergence.hold_time": 5.0,
         "initial_error.misalignment": ["0.1 deg", "0.1 deg", "0.3 deg"],
@@ -103,25 +112,10 @@ def test_fmpy_repeats_the_hand_over_of_the_reference_results(aligned: tuple[Syst
         reference = list(csv.DictReader(file))
     navigates = [float(row["heading_sigma"]) > 0 for row in reference]
     assert navigates == [False] * 7 + [True] * (len(reference) - 7)  # a row each second
-    result = simulate_ssp(
-        str(folder / f"{system.name}.ssp"),
-        stop_time=SHORT["duration"],
-        step_size=STEP,
-        parameter_set=parameters(system, folder),
-    )
+    archive = str(folder / f"{system.name}.ssp")
+    result = simulate_ssp(archive, stop_time=SHORT["duration"], step_size=STEP)
     for name in ("nav.heading", "heading_sigma", "nav.latitude", "nav.velocity[1]"):
         assert result[f"filter.{name}"][-1] == pytest.approx(float(reference[-1][name]), rel=1e-12)
-
-
-def parameters(system: System, folder: Path) -> ParameterSet:
-    """One set for all components: FMPy 0.3 overlooks bindings, and takes any text of a Boolean for true."""
-    merged = ParameterSet(name=system.name)
-    for component in system.components:
-        for parameter in read_ssv(str(folder / "parameters" / f"{component.name}.ssv")).parameters:
-            parameter.name = f"{component.name}.{parameter.name}"
-            parameter.value = {"false": 0.0, "true": 1.0}.get(parameter.value, parameter.value)
-            merged.parameters.append(parameter)
-    return merged
 
 
 @pytest.mark.parametrize("version", ["fmi2", "fmi3"])
@@ -129,18 +123,49 @@ def test_the_fmus_stay_valid_and_carry_their_experiment(folder: Path, version: s
     for archive in (folder / version).glob("*.fmu"):
         assert validate_fmu(str(archive)) == []
         with zipfile.ZipFile(archive) as content:
-            experiment = etree.fromstring(content.read(f"{RESULTS}/experiments.xml"))[0]
+            experiments = etree.fromstring(content.read(f"{RESULTS}/experiments.xml"))
+            experiment = experiments[0]
+            assert experiments.get("name") == "swaying_ship"  # which the schema, v1.0.0-alpha.1, requires
             assert float(experiment.get("stopTime")) == SHORT["duration"]
             for part in experiment:
                 assert content.read(f"{RESULTS}/{part.get('source')}")
 
 
-def test_a_scenario_that_libcosim_cannot_set_says_so(folder: Path, tmp_path: Path, fmus: Fmus) -> None:
-    """The corrector of this scenario is not the default one."""
-    assert not (folder / "OspSystemStructure.xml").exists()
-    assert "libcosim knows no enumerations and cannot set corrector" in (folder / "README.md").read_text()
-    export("swaying_ship", tmp_path, set={**SHORT, "corrector": "standard"}, fmus=fmus)
-    assert (tmp_path / "OspSystemStructure.xml").exists()
+def test_enumerations_have_the_names_of_their_items(folder: Path) -> None:
+    """As SSP wants it; libcosim could not set those of the OSP file, which has none."""
+    for place in ("parameters", "parameters/fmi3"):
+        document = etree.parse(folder / place / "filter.ssv")
+        (corrector,) = document.xpath("//*[local-name()='Parameter'][@name='corrector']/*")
+        assert (etree.QName(corrector).localname, corrector.get("value")) == ("Enumeration", "h_infinity")
+    osp = (folder / "OspSystemStructure.xml").read_text(encoding="utf-8")
+    assert 'variable="corrector"' not in osp
+    assert 'variable="prior.heading_sigma"' in osp
+
+
+@pytest.mark.parametrize("form", FORMS, ids=lambda form: form.name)
+def test_what_is_set_is_in_the_fmu(folder: Path, fmus: Fmus, form: Form) -> None:
+    """In modelDescription.xml and in the file that the binary reads; nothing else differs from the FMU."""
+    system = of_scenario(
+        load_scenario("swaying_ship", fmus, settings={**SHORT, "communication_step": STEP}), fmus
+    )
+    for component in system.components:
+        description = fmpy.read_model_description(folder / form.name / f"{component.fmu.name}.fmu")
+        before = fmpy.read_model_description(form.archive(component.fmu))
+        starts = {v.name: v.start for v in description.modelVariables}
+        assert (description.defaultExperiment.stopTime, description.defaultExperiment.stepSize) == (
+            "20.0",
+            "0.1",
+        )
+        set_ = {entry.name for entry in form.entries(component, component.values)}
+        changed = {v.name for v in before.modelVariables if v.start != starts[v.name]}
+        assert changed
+        assert changed <= set_
+        for entry in form.entries(component, component.values):
+            stated = [{"true": 1.0, "false": 0.0}.get(part) for part in starts[entry.name].split()]
+            stated = [
+                float(p) if v is None else v for p, v in zip(starts[entry.name].split(), stated, strict=True)
+            ]
+            assert stated == [float(component.value(element.name)) for element in entry.elements]
 
 
 def test_the_partner_sees_platforms_and_final_values(folder: Path) -> None:
@@ -155,7 +180,6 @@ def test_the_partner_sees_platforms_and_final_values(folder: Path) -> None:
         last = list(csv.DictReader(file))[-1]
     for name in ("nav.heading", "heading_sigma"):
         assert f"| `{name}` | {last[name]} |" in text
-    assert "OSP file" not in text
 
 
 def test_exporting_again_gives_the_same_bytes(folder: Path, tmp_path: Path, fmus: Fmus) -> None:
@@ -174,3 +198,29 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert (tmp_path / "partner" / "swaying_ship.ssp").exists()
     refused = CliRunner().invoke(app, [*arguments, *settings, "--step", "0.0123"])
     assert refused.exit_code == 2
+
+
+def test_an_importer_goes_on_from_the_state_at_the_end(folder: Path) -> None:
+    """The state lies in the FMU, too, and the manifest of FMI-LS-REF names it."""
+    archive = folder / "fmi2" / "AlignmentFilter.fmu"
+    fmu = Fmu(archive)
+    with zipfile.ZipFile(archive) as content:
+        manifest = etree.fromstring(content.read(f"{RESULTS}/fmi-ls-manifest.xml"))
+        (source,) = (r.get("source") for r in manifest if r.get("role") == "serialized-state")
+        state = content.read(f"{RESULTS}/{source}")
+    assert state == (folder / "reference" / "AlignmentFilter_end.state").read_bytes()
+    with (folder / "reference" / "AlignmentFilter_ref.csv").open(newline="") as file:
+        last = list(csv.DictReader(file))[-1]
+    with closing(Instance(fmu, "filter", {})) as instance:
+        instance.restore(state)
+        for name in ("nav.heading", "heading_sigma"):
+            assert instance.read([name]) == [float(last[name])]
+        instance.step(SHORT["duration"], STEP)
+
+
+def test_a_skeleton_begins_as_the_inputs_do(folder: Path) -> None:
+    for place in ("", "fmi3/"):
+        skeleton = (folder / "skeleton" / place / "AlignmentFilter_in.csv").read_text()
+        inputs = (folder / "reference" / place / "AlignmentFilter_in.csv").read_text()
+        assert inputs.startswith(skeleton)
+        assert len(skeleton.splitlines()) == 3

@@ -14,20 +14,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import fmpy
+import c_program
 import numpy as np
 import pytest
 from archives import ROOT
 from numpy.typing import NDArray
 
+from sim_scenarios.exchange.forms import FMI2
 from sim_scenarios.exchange.reference import simulate
-from sim_scenarios.exchange.system import Component, System, of_scenario
+from sim_scenarios.exchange.system import System, of_scenario
 from sim_scenarios.fmus import Fmu, Fmus
 from sim_scenarios.scenario import load_scenario
 
 FMUS = ROOT / "build" / "fmus-all"
 ARCHIVES = sorted(FMUS.glob("**/*.fmu"))
-HEADERS = Path(fmpy.__file__).parent / "c-code"
 STEP = 0.5
 ATOM = 1e-6
 """Largest value up to which an output counts as zero but for rounding, in SI units."""
@@ -73,7 +73,7 @@ def binary(archive: Path, platform: Platform, folder: Path) -> Path:
 
 
 def functions_of_the_standard(archive: Path) -> set[str]:
-    header = (HEADERS / f"fmi{version(archive)}Functions.h").read_text()
+    header = (c_program.HEADERS / f"fmi{version(archive)}Functions.h").read_text()
     return set(re.findall(r"FMI\d_Export fmi\d\w+TYPE\s+(fmi\d\w+);", header))
 
 
@@ -137,38 +137,10 @@ def test_macos_binaries_need_the_system_library_alone(archive: Path, processor: 
 
 # ------------------------------------------------------------------ the same results
 
-KINDS = {"Real": "R", "Integer": "I", "Enumeration": "I", "Boolean": "B"}
-
 
 @pytest.fixture(scope="module")
 def fmus() -> Fmus:
     return Fmus({path.stem: Fmu(path) for path in ARCHIVES if version(path) == 2})
-
-
-def word(component: Component, name: str) -> str:
-    variable = component.fmu.variables[name]
-    return f"{KINDS[variable.kind]} {variable.reference}"
-
-
-def listed(words: Sequence[str]) -> str:
-    return " ".join([str(len(words)), *words])
-
-
-def orders(system: System) -> str:
-    """What `system.c` reads."""
-    lines = [f"{system.step.hex()} {round(system.stop / system.step)}"]
-    for component in system.components:
-        values = component.values.items()
-        lines.append(listed([f"{word(component, name)} {float(value).hex()}" for name, value in values]))
-        lines.append(listed([word(component, name) for name in component.outputs]))
-    index = {component.name: k for k, component in enumerate(system.components)}
-    pairs = [
-        f"{index[c.start]} {word(system.components[index[c.start]], output)}"
-        f" {index[c.end]} {word(system.components[index[c.end]], name)}"
-        for c in system.connections
-        for name, output in c.outputs.items()
-    ]
-    return "\n".join([*lines, listed(pairs), ""])
 
 
 @pytest.fixture(scope="module")
@@ -182,21 +154,20 @@ def outputs_of(platform: Platform, system: System, programs: Path, folder: Path)
     program = programs / f"{platform.target}.exe"
     if not program.exists():
         pytest.importorskip("ziglang")
-        source = Path(__file__).with_name("system.c")
-        compiler = [sys.executable, "-m", "ziglang", "cc", "-O1", "-target", platform.target]
-        subprocess.run([*compiler, f"-I{HEADERS}", source, *platform.libraries, "-o", program], check=True)
+        zig = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target]
+        c_program.compiled(zig, FMI2, program, platform.libraries)
     libraries = [binary(component.fmu.path, platform, folder) for component in system.components]
     arguments = [
         argument
         for component, library in zip(system.components, libraries, strict=True)
-        for argument in (f"./{library.name}", component.fmu.guid, component.fmu.name)
+        for argument in (f"./{library.name}", component.fmu.guid, component.fmu.name, "none")
     ]
-    finished = subprocess.run(
-        [*platform.emulator, program, *arguments],
-        input=orders(system), capture_output=True, text=True, check=False, cwd=libraries[0].parent,
-    )  # fmt: skip
-    assert finished.returncode == 0, finished.stderr
-    return np.array([[float.fromhex(word) for word in line.split()] for line in finished.stdout.splitlines()])
+    references = {
+        component.name: {name: v.reference for name, v in component.fmu.variables.items()}
+        for component in system.components
+    }
+    given = c_program.orders(system, FMI2, references, with_parameters=True)
+    return c_program.outputs([*platform.emulator, program, *arguments], given, libraries[0].parent)
 
 
 @pytest.mark.parametrize("scenario", ["swaying_ship", "flight_loose_tight", "align_then_navigate"])

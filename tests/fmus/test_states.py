@@ -123,7 +123,7 @@ def test_wrong_version(instance: Instance) -> None:
     state = bytearray(instance.start().serialise())
     state[VERSION_OFFSET : VERSION_OFFSET + VERSION_SIZE] = struct.pack("<I", 99)
     assert instance.deserialise(bytes(state))[0] == ERROR
-    assert "has format version 99; this FMU reads version 1" in instance.journal.last
+    assert "has format version 99; this FMU reads version 2" in instance.journal.last
 
 
 def test_appended_bytes(instance: Instance) -> None:

@@ -49,7 +49,11 @@ def early_fix(_: int, row: Row, __: list[Row]) -> Row:
 
 
 def jump(_: int, row: Row, __: list[Row]) -> Row:
-    return {**row, "gnss.velocity[1]": row["gnss.velocity[1]"] + 30.0, "gnss.latitude": row["gnss.latitude"] + 1e-4}
+    return {
+        **row,
+        "gnss.velocity[1]": row["gnss.velocity[1]"] + 30.0,
+        "gnss.latitude": row["gnss.latitude"] + 1e-4,
+    }
 
 
 def hung(_: int, row: Row, before: list[Row]) -> Row:

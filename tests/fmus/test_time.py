@@ -14,6 +14,7 @@ REFUSED = {
     "not a number": (0.0, math.nan, "step size = nan: must be a finite number"),
     "infinite": (0.0, math.inf, "step size = inf: must be a finite number"),
     "no communication point": (math.nan, STEP, "current communication point = nan: must be a finite number"),
+    "longer than a day": (0.0, 1e5, "step size = 1e+05: must be at most 86400 s"),
     "a gap": (1.0, STEP, "the step begins at 1 s, but the last one ended at 0 s"),
     "back in time": (-1.0, STEP, "the step begins at -1 s, but the last one ended at 0 s"),
     "beyond the stop time": (0.0, 20.0, "the step ends at 20 s, after the stop time of 10 s"),
@@ -36,6 +37,7 @@ def test_refused_steps_change_nothing(instance: Instance, case: str) -> None:
     [
         (math.nan, None, "start time = nan: must be a finite number"),
         (math.inf, None, "start time = inf: must be a finite number"),
+        (-1e11, None, "start time = -1e+11: must be from -1e+10 to 1e+10 s"),
         (0.0, math.nan, "stop time = nan: must be a finite number"),
         (5.0, 4.0, "stop time = 4: must be at least the start time, 5"),
     ],

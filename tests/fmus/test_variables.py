@@ -26,9 +26,11 @@ def bad_values(variable: ScalarVariable) -> list[tuple[Number, str]]:
             (-math.inf, "a finite number"),
         ]
     if variable.min is not None:
-        values.append((STARTS[variable.type](variable.min) - 1, "at least |greater than "))
+        least = STARTS[variable.type](variable.min)
+        values.append((least - max(1, abs(least)), "at least |greater than "))
     if variable.max is not None:
-        values.append((STARTS[variable.type](variable.max) + 1, "at most "))
+        most = STARTS[variable.type](variable.max)
+        values.append((most + max(1, abs(most)), "at most "))
     return values
 
 

@@ -8,9 +8,10 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 import pytest
 
-from sim_scenarios.ensemble import NEES, ensemble, processes
+from sim_scenarios.ensemble import NEES, ensemble
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics.statistics import chi_square_interval
+from sim_scenarios.processes import processes
 
 RUNS, STATES = 12, 12
 INSTANTS = (60, 150)  # [s], before and in a turn

@@ -19,7 +19,7 @@ from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmu, Fmus
 from sim_scenarios.instance import Instance
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.simulation import initial_values
+from sim_scenarios.simulation import initial_values, simulated
 from sim_scenarios.units import ARCMIN, DEGREE
 
 EVERY_STEP = {"duration": 20.0, "evaluation.start": 10.0, "recording_period": 0.01}
@@ -201,3 +201,20 @@ def test_values_are_set_and_read_by_name(fmus: Fmus) -> None:
     ) as one:
         one.begin_initialisation(0.0, 1.0)
         assert one.read(["robust.gamma", "predictor", "gate.enabled"]) == [4.5, 1, 0]
+
+
+def test_what_is_added_joins_the_increments_of_every_step(fmus: Fmus) -> None:
+    """A bias that is added is a bias of the plant; what is added begins anew behind its end."""
+    bias = 0.05 * DEGREE / 3600
+    settings = {**SHORT, "imu.gyro.bias_sigma": 0.0, "imu.gyro.white_noise": 0.0}
+    plain = load_scenario("swaying_ship", fmus, settings=settings)
+    biased = load_scenario("swaying_ship", fmus, settings={**settings, "imu.gyro.bias": [bias, 0.0, 0.0]})
+    filters = {"filter": plain.filter}
+    added = {"imu.delta_angle[1]": np.full(7, 0.01 * bias)}
+    disturbed, _ = simulated(plain, fmus, filters, added=added)
+    expected, _ = simulated(biased, fmus, filters)
+    undisturbed, _ = simulated(plain, fmus, filters)
+    for name in ("nav.heading", "gyro_bias[1]"):
+        one, other, without = (run.filters[0][name] for run in (disturbed, expected, undisturbed))
+        np.testing.assert_allclose(one, other, atol=1e-9 * DEGREE)
+        assert np.max(np.abs(without - other)) > 1e-7 * DEGREE

@@ -25,13 +25,13 @@ from sim_scenarios.ensemble import (
     mean,
     mean_rmse,
     median_settling,
-    processes,
     rmse,
     settling,
 )
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import judge
+from sim_scenarios.processes import processes
 from sim_scenarios.units import ARCMIN
 
 SHORT = {"duration": 40.0, "evaluation.start": 20.0}

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from sim_scenarios import toml
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.scenario import load_scenario, shipped, toml_value
+from sim_scenarios.scenario import load_scenario, shipped
 from sim_scenarios.units import DEGREE
 
 SHIPPED = {
@@ -283,4 +284,4 @@ def test_a_wrong_name_is_answered_with_the_right_one(fmus: Fmus) -> None:
     ],
 )
 def test_values_on_the_command_line(text: str, value: object) -> None:
-    assert toml_value(text) == value
+    assert toml.value(text) == value

@@ -35,5 +35,22 @@ TEST(FilterSettings, LimitTheAdaptiveFactorFarBeyondPriorAndFix) {
     }
 }
 
+TEST(FilterSettings, StartVariationalBayesWithTheVariancesOfTheParameters) {
+    alignment_filter::Parameters parameters;
+    parameters.variational_bayes.a = 2.0;
+    parameters.variational_bayes.position_sigma = 3.0;
+    parameters.variational_bayes.velocity_sigma = 0.5;
+    NavigationEngine<LargeAzimuth> engine;  // measures velocities alone
+    configure(engine, parameters);
+    EXPECT_EQ(engine.corrector.variational_bayes.start_a, 2.0);
+    EXPECT_EQ(engine.corrector.variational_bayes.start_variance, Vector<2>(0.25, 0.25));
+    struct WithPosition {
+        static constexpr Block position{.first = 0, .count = 3};
+    };
+    Vector<6> expected;
+    expected << 9.0, 9.0, 9.0, 0.25, 0.25, 0.25;
+    EXPECT_EQ((starting_variance_of<WithPosition, 6>(parameters)), expected);
+}
+
 }  // namespace
 }  // namespace truenorth

@@ -31,6 +31,7 @@ inline void switch_everything_on(truth_plant::Parameters& parameters) {
     parameters.motion.turn.angle[0] = 1.0;
     parameters.motion.turn.begin[0] = 1.0;
     parameters.motion.turn.duration[0] = 3.0;
+    parameters.imu.gyro.bias_random_walk = 1e-7;
     parameters.imu.gyro.markov_sigma = 1e-6;
     parameters.imu.gyro.wave_sigma = 1e-6;
     parameters.imu.gyro.quantisation = 1e-6;
@@ -38,6 +39,7 @@ inline void switch_everything_on(truth_plant::Parameters& parameters) {
     parameters.imu.gyro.misalignment.setConstant(1e-4);
     parameters.imu.gyro.bias_step.setConstant(1e-6);
     parameters.imu.gyro.bias_step_time = 2.0;
+    parameters.imu.accelerometer.bias_random_walk = 1e-4;
     parameters.imu.accelerometer.markov_sigma = 1e-3;
     parameters.imu.accelerometer.wave_sigma = 1e-3;
     parameters.imu.accelerometer.quantisation = 1e-5;

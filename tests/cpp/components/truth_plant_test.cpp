@@ -137,8 +137,10 @@ TEST_F(TruthPlantTest, TruthBiasesAreWhatTheIncrementsShow) {
     TruthPlant biased(log_);
     biased.parameters = plant_.parameters;
     biased.parameters.imu.gyro.bias_sigma = 1e-5;
+    biased.parameters.imu.gyro.bias_random_walk = 1e-6;
     biased.parameters.imu.gyro.markov_sigma = 1e-5;
     biased.parameters.imu.accelerometer.bias_sigma = 1e-2;
+    biased.parameters.imu.accelerometer.bias_random_walk = 1e-3;
     biased.parameters.imu.accelerometer.markov_sigma = 1e-2;
     plant_.initialise(0.0);
     biased.initialise(0.0);

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "error_models/central_difference.hpp"
 #include "error_models/random_values.hpp"
+#include "estimation/augmented.hpp"
 #include "estimation/linearised.hpp"
 #include "estimation/unscented.hpp"
 
@@ -131,6 +133,72 @@ TEST(FullStateProcessNoise, GrowsWithTimeAndTheSquaredRandomWalks) {
     expected << Vector3d::Constant(4e-14), Vector3d::Constant(9e-10), Vector3d::Zero();
     const Matrix<9> Q = model.process_noise({}, {.mechanisation = {}, .increment = increment(1)});
     EXPECT_LT((Q - Matrix<9>(expected.asDiagonal())).norm(), 1e-22);
+}
+
+TEST(FullStateAugmented, MechanisesThePointsOfTheNoise) {
+    // Jing 2023, eqs. 8 to 14, with weights and points in full: 18 states and noises of the sensors in the
+    // body's own axes, every one of 37 points through a mechanisation of its own.
+    RandomValues random(6);
+    const NavigationState start = random.navigation_state();
+    Deviation sigma;
+    sigma << Vector3d::Constant(1e-3), Vector3d::Constant(0.1), Vector3d::Constant(5.0);
+    const Model model{.noise = {.angle_random_walk = 1e-3,
+                                .velocity_random_walk = 1e-1,
+                                .position_sigma = Vector3d::Ones(),
+                                .velocity_sigma = Vector3d::Ones()}};
+    const double dt = increment(1).dt;
+    Vector<18> deviation = Vector<18>::Zero();
+    deviation.head<9>() = sigma;
+    deviation.segment<3>(9).setConstant(1e-3 * std::sqrt(dt));   // of delta_angle
+    deviation.segment<3>(12).setConstant(1e-1 * std::sqrt(dt));  // of delta_velocity
+    const double alpha = 1.0;
+    const double beta = 2.0;
+    const double distance = alpha * std::sqrt(18.0);  // lambda = 0: the centre has no weight in the mean
+    Mechanisation memory(start);
+    memory.advance(increment(0));
+
+    const auto moved = [&](const Vector<18>& point) {
+        Mechanisation mechanisation = memory;
+        mechanisation.state = retract(memory.state, point.head<9>());
+        ImuIncrement measured = increment(1);
+        measured.delta_angle += point.segment<3>(9);
+        measured.delta_velocity += point.segment<3>(12);
+        mechanisation.advance(measured);
+        return mechanisation.state;
+    };
+    const NavigationState centre = moved(Vector<18>::Zero());
+    Deviation mean = Deviation::Zero();
+    std::vector<Deviation> points;
+    for (int i = 0; i < 18; ++i) {
+        for (const double sign : {1.0, -1.0}) {
+            const Vector<18> point = sign * distance * deviation(i) * Vector<18>::Unit(i);
+            points.push_back(local(centre, moved(point)));
+            mean += points.back() / 36.0;
+        }
+    }
+    Matrix<9> expected = (1.0 - alpha * alpha + beta) * mean * mean.transpose();
+    for (const Deviation& point : points) {
+        expected += (point - mean) * (point - mean).transpose() / 36.0;
+    }
+
+    const Model::Interval interval{.mechanisation = memory, .increment = increment(1)};
+    const UnscentedParameters parameters{.alpha = alpha, .beta = beta, .kappa = 0.0};
+    NavigationState x = memory.state;
+    Matrix<9> P = sigma.cwiseAbs2().asDiagonal();
+    ASSERT_EQ(Augmented(parameters).predict(model, x, P, interval), Prediction::sound);
+    // The model has its noise along east, north and up: the fourth order in 4e-4 rad tells that apart.
+    const Deviation scale = expected.diagonal().cwiseSqrt();
+    EXPECT_LT((P - expected).cwiseQuotient(scale * scale.transpose()).cwiseAbs().maxCoeff(), 1e-7);
+    EXPECT_LT(local(x, retract(centre, mean)).cwiseQuotient(scale).norm(), 1e-7);
+
+    // A noise of the accelerometers has moved the position by half of dt, which the simplified filter, adding
+    // it afterwards, does not know.
+    NavigationState x_simple = memory.state;
+    Matrix<9> P_simple = sigma.cwiseAbs2().asDiagonal();
+    Unscented(parameters).predict(model, x_simple, P_simple, interval);
+    const double variance = 1e-2 * dt;
+    EXPECT_NEAR(P(Model::kPosition, Model::kVelocity) - P_simple(Model::kPosition, Model::kVelocity),
+                variance * dt / 2.0, 1e-2 * variance * dt);
 }
 
 TEST(FullStateMeasurement, MatrixIsTheDerivativeOfThePrediction) {

@@ -24,8 +24,10 @@ constexpr int kSatellites = 10;  // of twelve channels
 
 const Model kModel{.noise = {.angle_random_walk = 2e-6,
                              .velocity_random_walk = 3e-4,
+                             .gyro_random_walk = 1e-9,
                              .gyro_markov_sigma = 5e-7,
                              .gyro_markov_time = 3600.0,
+                             .accelerometer_random_walk = 1e-6,
                              .clock_bias_random_walk = 0.1,
                              .clock_drift_random_walk = 0.01,
                              .pseudorange_sigma = 3.0,
@@ -114,6 +116,134 @@ TEST(TightJacobian, IsTheErrorOfAMechanisationWithSensorErrors) {
     }
 }
 
+// At the state of the computed mechanisation, for which sensors measure rate and force.
+Model::Interval interval_at(const NavigationState& computed, const Vector3d& measured_force) {
+    Model::Interval interval(IntervalAverage{}, {}, State::Zero());
+    const Matrix3d C_bn = computed.q_bn.toRotationMatrix();
+    static_cast<NavigationInterval&>(interval) = {1.0, C_bn, C_bn * measured_force, computed.velocity,
+                                                  computed.position};
+    interval.computed_position = computed.position;
+    interval.computed_velocity = computed.velocity;
+    return interval;
+}
+
+const Model kNonlinear = [] {
+    Model model = kModel;
+    model.propagation = Model::Propagation::nonlinear;
+    return model;
+}();
+
+TEST(TightRate, IsTheErrorOfAMechanisationForErrorsOfAnySize) {
+    RandomValues random(12);
+    for (int n = 0; n < 30; ++n) {
+        const NavigationState truth = random.navigation_state();
+        const Vector3d omega_b = random.vector(0.05);
+        const Vector3d force_b = random.vector(2.0) + Vector3d(0.0, 0.0, 9.8);
+        State x = random_state(random);
+        x.head<3>() = random.vector(1.0);           // [rad]
+        x.segment<3>(3) = random.vector(40.0);      // [m/s]
+        x.segment<3>(6) = random.vector(10.0);      // [m]
+        x.segment<6>(Model::kGyro) *= 1e3;          // [rad/s]
+        x.segment<3>(Model::kAccelerometer) *= 50;  // [m/s2]
+        const TwoMechanisations pair{
+            .truth = Mechanisation(truth),
+            .computed = Mechanisation(navigation_error::retract(truth, x.head<9>())),
+            .omega_b = omega_b,
+            .force_b = force_b,
+            .gyro_error = x.segment<3>(Model::kGyro) + x.segment<3>(Model::kGyroMarkov),
+            .accelerometer_error = x.segment<3>(Model::kAccelerometer)};
+        const Error expected = pair.derivative(
+            [](const TwoMechanisations& p) -> Error {
+                return navigation_error::local(p.truth.state, p.computed.state);
+            },
+            1e-3);
+        const auto interval = interval_at(pair.computed.state, force_b + pair.accelerometer_error);
+        const State rate = kNonlinear.rate(x, interval);
+        // The quotient's third derivative; of the position 10 m x 40 m/s over the radius besides.
+        EXPECT_LT((rate.head<3>() - expected.head<3>()).norm(), 1e-11);
+        EXPECT_LT((rate.segment<3>(3) - expected.segment<3>(3)).norm(), 5e-8);
+        EXPECT_LT((rate.segment<3>(6) - expected.tail<3>()).norm(), 3e-4);
+        // To first order it is not: the linear model is off by far more.
+        const State linear = kModel.jacobian(x, interval) * x;
+        EXPECT_GT((linear.segment<3>(3) - expected.segment<3>(3)).norm(), 0.05);
+    }
+}
+
+TEST(TightRate, OfSmallErrorsIsTheLinearOne) {
+    RandomValues random(13);
+    for (int n = 0; n < 30; ++n) {
+        const NavigationState computed = random.navigation_state();
+        const auto interval = interval_at(computed, random.vector(2.0) + Vector3d(0.0, 0.0, 9.8));
+        const State x = random_state(random);
+        const State derivative =
+            (kNonlinear.rate(State(1e-2 * x), interval) - kNonlinear.rate(State(-1e-2 * x), interval)) / 2e-2;
+        const State expected = kModel.jacobian(x, interval) * x;
+        // F leaves out how radii and gravity change with the latitude: 0.052 m/s2 over the radius for 17 m.
+        EXPECT_LT((derivative - expected).head<3>().norm(), 1e-12);
+        EXPECT_LT((derivative - expected).segment<3>(3).norm(), 2e-7);
+        EXPECT_LT((derivative - expected).segment<3>(6).norm(), 1e-12);
+        EXPECT_LT((derivative - expected).tail<11>().norm(), 1e-15 + 1e-12 * expected.tail<11>().norm());
+    }
+}
+
+TEST(TightPropagate, IsLinearOrFollowsTheMechanisation) {
+    // A heading that is wrong by 20 degrees, known to 20 degrees, through a second of 3 m/s2: against a
+    // mechanisation for each deviation. The linear model misses what is of second order in the angle.
+    RandomValues random(14);
+    const NavigationState computed = random.navigation_state();
+    const Vector3d omega_b(0.0, 0.0, 0.01);
+    const Vector3d force_b(3.0, 0.0, 9.8);
+    Mechanisation mechanisation(computed);
+    IntervalAverage average;
+    const double dt = 0.01;
+    for (int k = 0; k < 100; ++k) {
+        const NavigationState before = mechanisation.state;
+        mechanisation.advance({.dt = dt, .delta_angle = dt * omega_b, .delta_velocity = dt * force_b});
+        average.add(before, mechanisation, dt);
+    }
+    const Model::Interval interval(average, computed.position, State::Zero());
+    State d = random_state(random);
+    d(Model::kPhi + 2) = 0.35;
+    Points<20, 2> deviations;
+    deviations << State::Zero(), d;
+    Mechanisation truth(navigation_error::retract(computed, -d.head<9>()));
+    for (int k = 0; k < 100; ++k) {
+        truth.advance(
+            {.dt = dt,
+             .delta_angle = dt * (omega_b - d.segment<3>(Model::kGyro) - d.segment<3>(Model::kGyroMarkov)),
+             .delta_velocity = dt * (force_b - d.segment<3>(Model::kAccelerometer))});
+    }
+    const Error expected = navigation_error::local(truth.state, mechanisation.state);
+    const auto moved = [&](const Model& model) {
+        State x = State::Zero();
+        Points<20, 2> result = deviations;
+        model.propagate(x, result, interval);
+        EXPECT_LT(x.norm(), 1e-15);
+        return State(result.col(1));
+    };
+    const State nonlinear = moved(kNonlinear);
+    const State linear = moved(kModel);
+    EXPECT_LT((nonlinear.head<3>() - expected.head<3>()).norm(), 1e-8);
+    EXPECT_LT((nonlinear.segment<3>(3) - expected.segment<3>(3)).norm(), 2e-6);
+    EXPECT_LT((nonlinear.segment<3>(6) - expected.tail<3>()).norm(), 3e-3);  // averages over a second
+    EXPECT_GT((linear.segment<3>(3) - expected.segment<3>(3)).norm(), 0.1);
+    EXPECT_EQ(nonlinear(Model::kClockBias), d(Model::kClockBias) + d(Model::kClockDrift));
+}
+
+TEST(TightPropagate, AddsTheNoiseWhereItIsLinear) {
+    RandomValues random(15);
+    const auto interval = interval_of<Model>(random.interval());
+    Points<20, 3> noise;
+    noise << State::Zero(), random_state(random), random_state(random);
+    Points<20, 3> deviations;
+    deviations << State::Zero(), State::Zero(), random_state(random);
+    Points<20, 3> without = deviations;
+    State x = State::Zero();
+    kModel.propagate(x, without, interval);
+    kModel.propagate(x, deviations, noise, interval);
+    EXPECT_EQ(deviations, (without + noise).eval());
+}
+
 TEST(TightProcessNoise, KeepsTheMarkovProcessStationary) {
     RandomValues random(2);
     for (const double dt : {0.1, 1.0, 100.0}) {
@@ -133,14 +263,62 @@ TEST(TightProcessNoise, GrowsWithTimeAndTheSquaredRandomWalks) {
     RandomValues random(3);
     auto interval = interval_of<Model>(random.interval());
     interval.dt = 0.25;
-    State Q = kModel.process_noise(State::Zero(), interval).diagonal();
-    Q.segment<3>(Model::kGyroMarkov).setZero();
+    const Matrix<20> Q = kModel.process_noise(State::Zero(), interval);
     State expected = State::Zero();
     expected.segment<3>(Model::kPhi).setConstant(1e-12);
     expected.segment<3>(Model::kVelocity).setConstant(2.25e-8);
-    expected(Model::kClockBias) = 2.5e-3;
-    expected(Model::kClockDrift) = 2.5e-5;
-    EXPECT_LT((Q - expected).cwiseQuotient(expected + State::Constant(1e-30)).norm(), 1e-12);
+    expected.segment<3>(Model::kGyro).setConstant(2.5e-19);
+    expected.segment<3>(Model::kGyroMarkov) = Q.diagonal().segment<3>(Model::kGyroMarkov);
+    expected.segment<3>(Model::kAccelerometer).setConstant(2.5e-13);
+    expected.tail<2>() = Q.diagonal().tail<2>();
+    EXPECT_LT((Q.diagonal() - expected).cwiseQuotient(expected + State::Constant(1e-30)).norm(), 1e-12);
+    Matrix<20> others = Q;
+    others.diagonal().setZero();
+    others.bottomRightCorner<2, 2>().setZero();
+    EXPECT_EQ(others, Matrix<20>::Zero());
+}
+
+// Van Loan 1978: of x' = F x + w, w white of the density G, both blocks of exp([-F G; 0 F^T] T).
+Matrix<2> van_loan(const Matrix<2>& F, const Matrix<2>& G, double T) {
+    Matrix<4> A = Matrix<4>::Zero();
+    A << -F * T, G * T, Matrix<2>::Zero(), F.transpose() * T;
+    Matrix<4> exponential = Matrix<4>::Identity();
+    Matrix<4> power = Matrix<4>::Identity();
+    for (int k = 1; k < 60; ++k) {
+        power = (power * A / k).eval();
+        exponential += power;
+    }
+    return exponential.bottomRightCorner<2, 2>().transpose() * exponential.topRightCorner<2, 2>();
+}
+
+TEST(TightProcessNoise, OfTheClockIsThatOfVanLoan) {
+    RandomValues random(10);
+    Matrix<2> F = Matrix<2>::Zero();
+    F(0, 1) = 1.0;
+    const Matrix<2> G = Eigen::Vector2d(0.1 * 0.1, 0.01 * 0.01).asDiagonal();
+    for (const double dt : {0.01, 1.0, 10.0}) {
+        auto interval = interval_of<Model>(random.interval());
+        interval.dt = dt;
+        const Matrix<2> Q = kModel.process_noise(State::Zero(), interval).bottomRightCorner<2, 2>();
+        EXPECT_LT((Q - van_loan(F, G, dt)).cwiseQuotient(van_loan(F, G, dt)).norm(), 1e-12) << dt;
+    }
+}
+
+TEST(TightProcessNoise, OfTheClockDoesNotDependOnTheInterval) {
+    // A hundred seconds at once, or as a hundred predictions: the same covariance of bias and drift.
+    RandomValues random(11);
+    const auto after = [&](int steps) {
+        auto interval = interval_of<Model>(random.interval());
+        interval.dt = 100.0 / steps;
+        Matrix<20> P = Matrix<20>::Zero();
+        for (int k = 0; k < steps; ++k) {
+            const Matrix<20> Phi = kModel.transition(State::Zero(), interval);
+            P = Phi * P * Phi.transpose() + kModel.process_noise(State::Zero(), interval);
+        }
+        return Matrix<2>(P.bottomRightCorner<2, 2>());
+    };
+    EXPECT_LT(after(100).cwiseQuotient(after(1)).cwiseAbs().maxCoeff(), 1.0 + 1e-12);
+    EXPECT_GT(after(100).cwiseQuotient(after(1)).cwiseAbs().minCoeff(), 1.0 - 1e-12);
 }
 
 TEST(TightMeasurement, OfTheTrueErrorsHasNoResidual) {

@@ -41,6 +41,27 @@ struct CurvedMeasurement : CurvedModel {
 static_assert(NonlinearMeasurement<CurvedMeasurement>);
 static_assert(!NonlinearMeasurement<CurvedModel>);
 
+// Curved in its noise too, half of which comes before the model and half after.
+struct CurvedNoise : CurvedModel {
+    using CurvedModel::propagate;
+
+    template <class V>
+    [[nodiscard]] static V map_with(const V& x, const V& w) {
+        return map(V(x + w / 2)) + w / 2;
+    }
+    template <int Count>
+    void propagate(State& x, Points<3, Count>& deviations, const Points<3, Count>& noise,
+                   const Interval& /*interval*/) const {
+        const State start = x;
+        x = moved(start);
+        for (int i = 0; i < Count; ++i) {
+            deviations.col(i) = map_with(State(start + deviations.col(i)), State(noise.col(i))) - x;
+        }
+    }
+};
+static_assert(NoiseInside<CurvedNoise>);
+static_assert(!NoiseInside<CurvedModel>);
+
 using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
 // Points and weights of Jing 2023, eqs. 10 and 11, for a covariance of any size.
@@ -102,6 +123,37 @@ TEST_P(AugmentedPredictor, IsTheTimeUpdateWithTheNoiseInTheState) {
             EXPECT_EQ(Augmented(p).predict(model, x, P, {}), Prediction::sound);
             EXPECT_LT(relative_difference(x, Long(moved * sigma.Wm).cast<double>()), 1e-12);
             EXPECT_LT(relative_difference(P, sigma.covariance(moved, moved).cast<double>()), 1e-12);
+        }
+    }
+}
+
+TEST_P(AugmentedPredictor, MovesTheNoiseThroughAModelThatHasItInside) {
+    RandomCovariance random(GetParam());
+    for (const UnscentedParameters& p : kParameters) {
+        for (int i = 0; i < 30; ++i) {
+            CurvedNoise model;
+            model.Q = random.covariance<3>(1e-3, 1e-1);
+            Vector<3> x = random.normal<3, 1>();
+            Matrix<3> P = random.covariance<3>(1e-3, 1.0);
+            Vector<3> x_simple = x;
+            Matrix<3> P_simple = P;
+
+            // Jing 2023, eq. 13: every point through f(x, w).
+            const Sigma sigma(both(P.cast<long double>(), model.Q.cast<long double>()), p);
+            Long moved(3, sigma.points.cols());
+            for (int k = 0; k < moved.cols(); ++k) {
+                const Eigen::Matrix<long double, 3, 1> start =
+                    x.cast<long double>() + sigma.points.col(k).head(3);
+                const Eigen::Matrix<long double, 3, 1> w = sigma.points.col(k).tail(3);
+                moved.col(k) = CurvedNoise::map_with(start, w);
+            }
+            EXPECT_EQ(Augmented(p).predict(model, x, P, {}), Prediction::sound);
+            EXPECT_LT(relative_difference(x, Long(moved * sigma.Wm).cast<double>()), 1e-12);
+            EXPECT_LT(relative_difference(P, sigma.covariance(moved, moved).cast<double>()), 1e-12);
+
+            // The simplified filter knows nothing of it.
+            Unscented(p).predict(model, x_simple, P_simple, {});
+            EXPECT_GT(relative_difference(P, P_simple), 1e-3);
         }
     }
 }

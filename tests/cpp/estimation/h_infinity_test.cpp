@@ -93,6 +93,57 @@ TEST_P(HInfinityCorrector, IsTheAlgorithmOfZhou2011InNoiseNormalisedUnits) {
     });
 }
 
+TEST_P(HInfinityCorrector, IsTheRiccatiEquationOfTheKreinSpace) {
+    // Zhou 2011, eqs. 2-11 one by one; R = I. Every line of the derivation gives the same gain and
+    // covariance.
+    for_random_cases([](Case c, const Vector<kStates>& scale) {
+        using Gain = Matrix<kStates, kMeasurements>;
+        constexpr int kBoth = kMeasurements + kStates;
+        c.R.setIdentity();
+        const double gamma = std::sqrt(1.5 * c.largest(scale));
+        const Square I = Square::Identity();
+        const Square L = scale.asDiagonal();
+        const Square& P = c.P;
+        const auto& H = c.H;
+
+        const Matrix<kMeasurements> A11 = H * P * H.transpose() + c.R;
+        const Matrix<kMeasurements, kStates> A12 = H * P * L.transpose();
+        const Square A22 = L * P * L.transpose() - gamma * gamma * I;
+        Matrix<kBoth> R_e;  // eq. 3
+        R_e << A11, A12, A12.transpose(), A22;
+        Matrix<kBoth, kStates> HL;
+        HL << H, L;
+        const Matrix<kStates, kBoth> K_inf = P * HL.transpose() * Matrix<kBoth>(R_e.inverse());  // eq. 5
+        const Square posterior = (I - K_inf * HL) * P;                                           // eqs. 3, 4
+        const Gain K_Y = K_inf.leftCols<kMeasurements>();
+        const Square K_Z = K_inf.rightCols<kStates>();
+
+        const Matrix<kMeasurements> A11_inverse = A11.inverse();
+        const Square B22 = Square(A22 - A12.transpose() * A11_inverse * A12).inverse();  // theorem 1
+        const Matrix<kMeasurements, kStates> B12 = -A11_inverse * A12 * B22;
+        const Gain B21 = -B22 * A12.transpose() * A11_inverse;
+        const Matrix<kMeasurements> B11 = A11_inverse - B12 * A12.transpose() * A11_inverse;
+        EXPECT_LT(relative_difference(Gain(P * (H.transpose() * B11 + L * B21)), K_Y), 1e-10);  // eq. 6
+        EXPECT_LT(relative_difference(Square(P * (H.transpose() * B12 + L * B22)), K_Z), 1e-10);
+
+        const Gain K = P * H.transpose() * A11_inverse;
+        const Gain eq7 = K + P * (H.transpose() * A11_inverse * A12 - L) * B22 * L * K;
+        EXPECT_LT(relative_difference(eq7, K_Y), 1e-10);
+        const Square after = (I - K * H) * P * L;
+        const Square inner = Square(L * after - gamma * gamma * I).inverse();
+        const Gain eq8 = (I + (K * H - I) * P * L * inner * L) * K;
+        EXPECT_LT(relative_difference(eq8, K_Y), 1e-10);
+        const Square M = after * inner * L;
+        EXPECT_LT(relative_difference(Gain((I - M) * K), K_Y), 1e-10);      // eq. 9
+        EXPECT_LT(relative_difference(Square(after * inner), K_Z), 1e-10);  // eq. 10 without its last L_k
+        const Square eq11 = P - (I - M) * K * H * P - M * P;
+        EXPECT_LT(relative_difference(eq11, posterior), 1e-10);
+
+        const auto found = HInfinity<kStates>{.gamma = gamma, .scale = scale}.correct(P, c.innovation());
+        EXPECT_LT(relative_difference(found.covariance, posterior), 1e-9);
+    });
+}
+
 TEST_P(HInfinityCorrector, CorrectsTheStateAsTheStandardCorrectorDoes) {
     for_random_cases([](const Case& c, const Vector<kStates>& L) {
         const auto correction = HInfinity<kStates>{.gamma = 1.0, .scale = L}.correct(c.P, c.innovation());

@@ -142,6 +142,24 @@ TEST_P(VariationalBayesCorrector, AChannelThatRestartsHasTheNominalNoiseAgain) {
     EXPECT_GT(std::abs(correction.noise(0, 0) / (c.R(0) / 1.5) - 1.0), 0.01);
 }
 
+TEST_P(VariationalBayesCorrector, StartsWhereJing2023DoesOrWhereItIsTold) {
+    // Eq. 19, a = 1 and b = 0.1, 2, and a prior of ten epochs: the R of the first iteration is rho b / (rho a
+    // + 1/2). A variance of 0 stands for the nominal one.
+    RandomCovariance random(GetParam());
+    for (const double a : {1.0, 5.0}) {
+        auto bayes = bayes_with<kChannels>(0.99, 1);
+        bayes.start_a = a;
+        bayes.start_variance = Channels(0.1, 2.0, 0.0) / a;
+        const RandomMeasurement c(random, 1.0);
+        const Channels b(0.1, 2.0, a * c.R(2));
+        const Matrix<kChannels> expected((0.99 * b / (0.99 * a + 0.5)).asDiagonal());
+        const auto correction = bayes.correct(c.P, c.innovation());
+        EXPECT_LT(relative_difference(correction.noise, expected), 1e-14);
+        const DenseUpdate update(c.P, c.H, expected.diagonal(), c.residual, {0, 1, 2});
+        EXPECT_LT(relative_difference(correction.deviation, update.deviation), 1e-9);
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, VariationalBayesCorrector, testing::Values(81U, 8181U));
 
 // Measures one state of variance `spread` directly, with the noise of variance R, again and again.

@@ -3,11 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cereal/types/string.hpp>
+#include <cstring>
+#include <limits>
 #include <span>
 #include <string>
 
 #include "components/invalid_parameter.hpp"
+#include "fmi/archive.hpp"
 #include "fmi/refusal.hpp"
+#include "fmi/snapshot.hpp"
 #include "stand_in.hpp"
 
 namespace truenorth::test {
@@ -16,23 +21,26 @@ namespace {
 using fmi::Instance;
 using fmi::Journal;
 using fmi::Kind;
+using fmi::Reach;
 using fmi::Refusal;
 using fmi::State;
 
 class InstanceTest : public testing::Test {
   protected:
     explicit InstanceTest(Kind kind = Kind::co_simulation)
-        : instance(stand_in(), kind, [](Journal::Severity, const char*, const char*) {}, false) {}
+        : instance(
+              stand_in(), {.fmi_version = 2, .kind = kind},
+              [](Journal::Severity, const char*, const char*) {}, false) {}
 
     Instance instance;
 
     void set(unsigned reference, double value) {
-        instance.set<double>(std::array{reference}, std::span<const double>(&value, 1));
+        instance.set<double>(std::array{reference}, Reach::scalar, std::span<const double>(&value, 1));
     }
 
     double get(unsigned reference) {
         double value = 0.0;
-        instance.get<double>(std::array{reference}, std::span(&value, 1));
+        instance.get<double>(std::array{reference}, Reach::scalar, std::span(&value, 1));
         return value;
     }
 
@@ -111,6 +119,91 @@ TEST_F(InstanceTest, AFailedRestoreLeavesTheInstanceAsItWas) {
     EXPECT_THROW(static_cast<void>(instance.import_state({})), Refusal);
     EXPECT_EQ(get(output), 3.0);
     EXPECT_NO_THROW(instance.step(1.0, 1.0));
+}
+
+// What comes from outside may be anything, and have a right checksum nevertheless.
+class ForgedStateTest : public InstanceTest {
+  protected:
+    // The payload of the instance's state as it is now.
+    [[nodiscard]] std::string payload() {
+        const auto bytes = instance.bytes(instance.save(nullptr));
+        return std::string(fmi::unpack(stand_in().identity, use, bytes));
+    }
+
+    std::string reason_for_refusing(const std::string& forged) {
+        try {
+            instance.restore(instance.import_state(fmi::pack(stand_in().identity, use, forged)));
+        } catch (const std::exception& refusal) {
+            return refusal.what();
+        }
+        return "accepted";
+    }
+
+    static constexpr fmi::Use use{.fmi_version = 2, .kind = Kind::co_simulation};
+};
+
+TEST_F(ForgedStateTest, OfAnyOtherLengthIsRefused) {
+    start();
+    const std::string whole = payload();
+    ASSERT_EQ(reason_for_refusing(whole), "accepted");
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+        EXPECT_NE(reason_for_refusing(whole.substr(0, length)).find("truncated or damaged"),
+                  std::string::npos)
+            << "length " << length;
+    }
+    EXPECT_EQ(reason_for_refusing(whole + '\0'), "the stored state is damaged: 1 bytes follow its end");
+}
+
+TEST_F(ForgedStateTest, OfAnImpossiblePhaseOrTimeIsRefused) {
+    start();
+    const std::string whole = payload();
+    for (const char phase : {5, 6, 7, -1}) {  // of model exchange, and none
+        std::string forged = whole;
+        forged[0] = phase;
+        EXPECT_EQ(reason_for_refusing(forged),
+                  "the stored state is damaged: its phase or its times are impossible");
+    }
+    const double never = std::numeric_limits<double>::quiet_NaN();
+    for (const std::size_t time : {0, 1, 2}) {  // start, stop and present
+        std::string forged = whole;
+        std::memcpy(forged.data() + 1 + time * sizeof never, &never, sizeof never);
+        EXPECT_EQ(reason_for_refusing(forged),
+                  "the stored state is damaged: its phase or its times are impossible");
+    }
+}
+
+TEST_F(ForgedStateTest, OfParametersThatNoInitialisationAcceptsIsRefused) {
+    start();
+    State* const before = instance.save(nullptr);
+    set(input, -1.0);
+    std::string forged = payload();
+    const double bad = -2.0;
+    const std::size_t place = forged.size() - 3 * sizeof bad;  // tunable, input and output end it
+    std::memcpy(forged.data() + place, &bad, sizeof bad);
+    EXPECT_EQ(reason_for_refusing(forged), "tunable = -2: must be greater than 0");
+    EXPECT_EQ(get(input), -1.0);
+    instance.restore(before);
+    EXPECT_EQ(get(input), 0.0);
+}
+
+// A length that a damaged state claims must not become memory.
+TEST(StateReader, BelievesNoLengthBeyondItsBytes) {
+    std::string bytes;
+    fmi::StateWriter{bytes}(std::uint64_t{1} << 60, 'x');
+    std::string text;
+    EXPECT_THROW(fmi::StateReader{bytes}(text), Refusal);
+    EXPECT_TRUE(text.empty());
+}
+
+TEST(StateReader, ABooleanIsTrueOrFalse) {
+    std::string bytes("\1\0\2", 3);
+    bool value = false;
+    fmi::StateReader reader(bytes);
+    reader(value);
+    EXPECT_TRUE(value);
+    reader(value);
+    EXPECT_FALSE(value);
+    EXPECT_THROW(reader(value), Refusal);
 }
 
 class ExchangedTest : public InstanceTest {

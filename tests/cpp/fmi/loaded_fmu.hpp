@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "binary.hpp"
 #include "fmi2FunctionTypes.h"
 
 namespace truenorth::test {
@@ -46,11 +47,7 @@ class LoadedFmu {
     [[nodiscard]] std::vector<std::string> names(const std::string& type, const std::string& causality) const;
 
   private:
-    template <class Function>
-    Function* function(const char* name) const;
-
-    std::string description_;
-    void* library_;
+    Binary binary_;
     fmi2CallbackFunctions callbacks_{};
     fmi2Component component_ = nullptr;
     fmi2GetRealTYPE* get_real_;

@@ -68,48 +68,18 @@ inline constexpr unsigned input = 2;
 inline constexpr unsigned output = 3;
 
 inline fmi::Fmu stand_in() {
-    using fmi::Access;
     using fmi::Causality;
-    static constexpr std::array<fmi::Row<StandIn>, 4> table{
-        {
-            {
-                .variable = {.name = "fixed",
-                             .causality = Causality::parameter,
-                             .type = fmi::Type::real,
-                             .elements = 1},
-                .access = Access<StandIn, double>{
-                    .get = [](const StandIn& c) { return c.parameters.fixed; },
-                    .set = [](StandIn& c, double v) { c.parameters.fixed = v; },
-                },
-            },
-            {
-                .variable = {.name = "tunable",
-                             .causality = Causality::tunable,
-                             .type = fmi::Type::real,
-                             .elements = 1},
-                .access = Access<StandIn, double>{
-                    .get = [](const StandIn& c) { return c.parameters.tunable; },
-                    .set = [](StandIn& c, double v) { c.parameters.tunable = v; },
-                },
-            },
-            {
-                .variable =
-                    {.name = "input", .causality = Causality::input, .type = fmi::Type::real, .elements = 1},
-                .access = Access<StandIn, double>{
-                    .get = [](const StandIn& c) { return c.input; },
-                    .set = [](StandIn& c, double v) { c.input = v; },
-                },
-            },
-            {
-                .variable = {.name = "output",
-                             .causality = Causality::output,
-                             .type = fmi::Type::real,
-                             .elements = 1},
-                .access =
-                    Access<StandIn, double>{.get = [](const StandIn& c) { return c.output; }, .set = nullptr},
-            },
-        },
-    };
+    using fmi::Type;
+    static constexpr std::array<fmi::Row<StandIn>, 4> table{{
+        {{"fixed", Causality::parameter, Type::real, 1},
+         [](StandIn& c) { return fmi::address_as<double>(c.parameters.fixed); }},
+        {{"tunable", Causality::tunable, Type::real, 1},
+         [](StandIn& c) { return fmi::address_as<double>(c.parameters.tunable); }},
+        {{"input", Causality::input, Type::real, 1},
+         [](StandIn& c) { return fmi::address_as<double>(c.input); }},
+        {{"output", Causality::output, Type::real, 1},
+         [](StandIn& c) { return fmi::address_as<double>(c.output); }},
+    }};
     return {
         .identity = {.name = "StandIn", .guid = "{stand-in}"},
         .log = {.errors = "errors", .events = "events", .every = "every"},

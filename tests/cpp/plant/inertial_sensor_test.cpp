@@ -18,6 +18,7 @@ Eigen::Vector3d some_increment() { return {1e-3, -2e-3, 3e-3}; }
 InertialSensor::Streams streams(std::uint32_t seed) {
     return {
         .bias = {seed, NoiseSource::gyro_bias},
+        .walk = {seed, NoiseSource::gyro_bias_walk},
         .white = {seed, NoiseSource::gyro_white},
         .markov = {seed, NoiseSource::gyro_markov},
         .wave = {seed, NoiseSource::gyro_wave},
@@ -90,6 +91,7 @@ TEST(InertialSensor, SlowErrorIsWhatTheIncrementsShow) {
     InertialSensor::Errors errors;
     errors.bias = {0.1, 0.2, -0.3};
     errors.bias_sigma = 0.1;
+    errors.bias_random_walk = 0.2;
     errors.markov_sigma = 0.05;
     errors.bias_step = {1.0, 2.0, 3.0};
     errors.bias_step_time = 0.5;
@@ -124,6 +126,7 @@ TEST(InertialSensor, SourcesDoNotDisturbEachOther) {
     const InertialSensor::Errors all{
         .bias_sigma = 0.1,
         .bias_limit = 0.1,
+        .bias_random_walk = 0.5,
         .white_noise = 0.2,
         .markov_sigma = 0.3,
         .markov_time = 5.0,
@@ -131,9 +134,9 @@ TEST(InertialSensor, SourcesDoNotDisturbEachOther) {
         .wave_period = 2.0,
     };
     const std::vector<double InertialSensor::Errors::*> sources{
-        &InertialSensor::Errors::bias_sigma,  &InertialSensor::Errors::bias_limit,
-        &InertialSensor::Errors::white_noise, &InertialSensor::Errors::markov_sigma,
-        &InertialSensor::Errors::wave_sigma,
+        &InertialSensor::Errors::bias_sigma,       &InertialSensor::Errors::bias_limit,
+        &InertialSensor::Errors::bias_random_walk, &InertialSensor::Errors::white_noise,
+        &InertialSensor::Errors::markov_sigma,     &InertialSensor::Errors::wave_sigma,
     };
     const auto with_all = measure(all, 7, 500, Eigen::Vector3d::Zero());
     for (const auto source : sources) {
@@ -248,6 +251,26 @@ void expect_stationary(const InertialSensor::Errors& errors, int sample) {
         sum += measure(errors, run, sample, Eigen::Vector3d::Zero()).back().squaredNorm();
     }
     EXPECT_NEAR(sum / (3.0 * kRuns * kPeriod * kPeriod), 1.0, bound(1.0)) << "sample " << sample;
+}
+
+TEST(InertialSensor, TheBiasWalksWithTheSquareRootOfTime) {
+    // Covariance q min(t, t') of the biases at samples 10 and 40; it sets out from the drawn bias.
+    InertialSensor::Errors errors;
+    errors.bias_random_walk = 3.0;
+    const double q = 9.0;
+    double early = 0.0;
+    double late = 0.0;
+    double both = 0.0;
+    for (std::uint32_t run = 1; run <= kRuns; ++run) {
+        const auto x = measure(errors, run, 40, Eigen::Vector3d::Zero());
+        early += x[9].squaredNorm() / (kPeriod * kPeriod);
+        late += x[39].squaredNorm() / (kPeriod * kPeriod);
+        both += x[9].dot(x[39]) / (kPeriod * kPeriod);
+    }
+    const double count = 3.0 * kRuns;
+    EXPECT_NEAR(early / count / (q * 0.1), 1.0, bound(1.0));
+    EXPECT_NEAR(late / count / (q * 0.4), 1.0, bound(1.0));
+    EXPECT_NEAR(both / count / (q * 0.2), 0.5, bound(0.5));  // correlation sqrt(10 / 40)
 }
 
 TEST(InertialSensor, GaussMarkovNoiseHasItsSigmaAndCorrelationTime) {

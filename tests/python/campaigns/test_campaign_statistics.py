@@ -14,8 +14,10 @@ from sim_scenarios.campaigns.quantities import BOUNDED, FIGURES, SERIES
 from sim_scenarios.campaigns.statistics import (
     consistency_course,
     error_course,
+    mean_of,
     nees_course,
     paired_ratio,
+    ratio_of_means,
     recovery_times,
     root_mean_square,
     summarise,
@@ -43,6 +45,39 @@ def test_the_interval_of_the_rmse_covers_the_truth(runs: int) -> None:
     covered = np.mean([i.lower <= 1 <= i.upper for i in intervals])
     lost = {20: 0.04, 100: 0.015}[runs]
     assert binomial_range(TRIALS, 0.95 - lost)[0] <= covered <= binomial_range(TRIALS, 0.95)[1]
+
+
+@pytest.mark.parametrize("runs", [10, 20, 100])
+def test_the_interval_of_a_mean_covers_the_truth(runs: int) -> None:
+    """RMSE of runs scatter about their mean as the length of a Gaussian vector of six components does."""
+    rng = np.random.default_rng(1000 + runs)
+    draws = np.linalg.norm(rng.standard_normal((TRIALS, runs, 6)), axis=2)
+    truth = float(stats.chi(6).mean())
+    intervals = [mean_of(r) for r in draws]
+    covered = np.mean([i.lower <= truth <= i.upper for i in intervals])
+    assert binomial_range(TRIALS, 0.945)[0] <= covered <= binomial_range(TRIALS, 0.955)[1]
+    assert intervals[0].value == pytest.approx(np.mean(draws[0]))
+
+
+def test_the_interval_of_a_ratio_of_means_covers_the_truth() -> None:
+    """Two filters that share half of their squared error."""
+    rng = np.random.default_rng(6)
+    common, own = rng.standard_normal((2, TRIALS, 20, 6))
+    a, b = np.linalg.norm(common + own, axis=2), np.linalg.norm(common, axis=2)
+    ratios = [ratio_of_means(x, y) for x, y in zip(a, b, strict=True)]
+    covered = np.mean([r.lower <= np.sqrt(2) <= r.upper for r in ratios])
+    assert binomial_range(TRIALS, 0.94)[0] <= covered <= binomial_range(TRIALS, 0.955)[1]
+    alike = ratio_of_means(3.0 * b[0], b[0])
+    assert (alike.lower, alike.value, alike.upper) == pytest.approx((3.0, 3.0, 3.0))
+
+
+def test_a_single_run_and_runs_without_error_have_no_interval() -> None:
+    assert mean_of([2.0]).value == 2.0
+    for nothing in (mean_of([2.0]), ratio_of_means([2.0], [1.0])):
+        assert np.isnan(nothing.lower)
+        assert np.isnan(nothing.upper)
+    assert np.isnan(mean_of([0.0, 0.0]).value)
+    assert np.isnan(ratio_of_means([1.0, 2.0], [0.0, 0.0]).value)
 
 
 def test_the_interval_of_a_paired_ratio_covers_the_truth() -> None:

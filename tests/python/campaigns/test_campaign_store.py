@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +14,7 @@ import xarray as xr
 from sim_scenarios.campaigns import store
 from sim_scenarios.campaigns.plan import Case, Plan, cases, load_plan
 from sim_scenarios.campaigns.store import Batch, State
+from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 
 WINDOW = {"evaluation.start": 1.0, "evaluation.stop": 3.0, "filter_fmu": "NavigationFilter"}
@@ -80,6 +84,104 @@ def test_sweep_removes_what_a_killed_worker_had_begun(
     (path / "heading_error" / "0.0.5.12436ce2.partial").touch()
     store.sweep(path)
     assert sorted(path.rglob("*")) == before
+
+
+Damage = Callable[[Path], None]
+
+
+def flip(file: Path) -> None:
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 0x10
+    file.write_bytes(content)
+
+
+DAMAGE: dict[str, Damage] = {
+    "deleted": Path.unlink,
+    "emptied": lambda file: file.write_bytes(b"") and None,
+    "truncated": lambda file: os.truncate(file, file.stat().st_size - 1),
+    "halved": lambda file: os.truncate(file, file.stat().st_size // 2),
+    "a bit flipped": flip,
+    "zeroed": lambda file: file.write_bytes(bytes(file.stat().st_size)) and None,
+    "a folder": lambda file: file.unlink() or file.mkdir(),
+}
+
+
+EMPTY = (next(iter(store.SERIES)), next(iter(store.FIGURES)))
+
+
+@pytest.fixture(scope="module")
+def original(fmus: Fmus, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A data set of which all runs but the last are finished; one series and one figure hold nothing."""
+    folder = tmp_path_factory.mktemp("stored")
+    plan = load_plan("waves", runs=5, set={"duration": 4.0, "evaluation.start": 1.0})
+    store.create(folder, plan, cases(plan, fmus), "any", [xr.Dataset(attrs=WINDOW)], fmus.plant)
+    path = folder / store.NAME
+    writer, filters = store.Writer(path), store.open_results(folder).sizes["filter"]
+    for batch in list(store.unfinished(path))[:-1]:
+        value = float(batch.start)
+        values = {name: np.full((filters, 1, writer.times), value) for name in store.SERIES}
+        values |= {name: np.full((filters, 1), value) for name in store.FIGURES}
+        values |= {
+            name: values[name] * np.nan for name in (*list(store.SERIES)[:1], *list(store.FIGURES)[:1])
+        }
+        writer.write(batch, values, np.full((filters, 1), State.finished, np.int8))
+    return path
+
+
+@pytest.fixture
+def stored(original: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(original, tmp_path / store.NAME))
+
+
+def test_a_sound_data_set_is_left_alone(stored: Path) -> None:
+    before = {file: file.read_bytes() for file in stored.rglob("*") if file.is_file()}
+    assert store.discard_damaged(stored) == []
+    assert {file: file.read_bytes() for file in stored.rglob("*") if file.is_file()} == before
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE.keys())
+@pytest.mark.parametrize("name", [EMPTY[0], list(store.FIGURES)[1]])
+def test_a_damaged_chunk_is_named_and_its_runs_are_done_again(
+    stored: Path, name: str, damage: Damage
+) -> None:
+    chunk = next(file for file in (stored / name).iterdir() if file.name.startswith("0.0.2"))
+    damage(chunk)
+    missing = list(store.unfinished(stored))
+    assert store.discard_damaged(stored) == [f"{name}/{chunk.name}"]
+    assert list(store.unfinished(stored)) == [Batch(0, 2, 3), *missing]
+    assert store.discard_damaged(stored) == []
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE.keys())
+def test_runs_of_a_damaged_state_are_done_again(stored: Path, damage: Damage) -> None:
+    damage(stored / "state" / "0.0.2")
+    assert store.discard_damaged(stored) in ([], ["state/0.0.2"])
+    assert Batch(0, 2, 3) in list(store.unfinished(stored))
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE.keys())
+@pytest.mark.parametrize("name", ["time", "filter", "heading_bound"])
+def test_what_no_run_fills_cannot_be_mended(stored: Path, name: str, damage: Damage) -> None:
+    damage(next(file for file in (stored / name).iterdir() if file.name[0].isdigit()))
+    with pytest.raises(InputError, match=rf"{name}/0\S* is lost or damaged; give another"):
+        store.discard_damaged(stored)
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE.keys())
+@pytest.mark.parametrize("name", [".zattrs", ".zgroup", ".zmetadata"])
+def test_damaged_descriptions_are_refused_or_harmless(stored: Path, name: str, damage: Damage) -> None:
+    damage(stored / name)
+    try:
+        assert store.is_there(stored.parent, "any")
+    except InputError as error:
+        assert "give another --output, or --overwrite" in str(error)  # noqa: PT017
+    else:
+        assert store.discard_damaged(stored) == []
+
+
+def test_a_data_set_is_cleared_as_a_whole(stored: Path) -> None:
+    store.clear(stored.parent)
+    assert list(stored.parent.iterdir()) == []
 
 
 def test_a_batch_is_missing_until_its_state_is_written(

@@ -91,7 +91,8 @@ class Drive:
         meridian, prime_vertical = radii(latitude)
         earth = EARTH * np.stack([0 * latitude, np.cos(latitude), np.sin(latitude)], axis=1)
         transport = np.stack(
-            [-v[:, 1] / meridian, v[:, 0] / prime_vertical, v[:, 0] / prime_vertical * np.tan(latitude)], axis=1
+            [-v[:, 1] / meridian, v[:, 0] / prime_vertical, v[:, 0] / prime_vertical * np.tan(latitude)],
+            axis=1,
         )
         force = (self.velocity[1:] - self.velocity[:-1]) / dt + np.cross(2 * earth + transport, v)
         force[:, 2] += gravity(latitude)

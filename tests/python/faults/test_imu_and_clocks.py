@@ -118,7 +118,7 @@ def test_a_count_that_jumps_multiplies_no_increment(n: int, model: dict[str, str
     sound(data)
 
 
-def raw_count(time: float, wire: Wire) -> None:
+def raw_count(_: float, wire: Wire) -> None:
     wire["imu.sample"] *= 10
 
 
@@ -156,7 +156,7 @@ def test_a_clock_that_is_set_costs_nothing(
 
 
 def receiver_clock_step(size: float) -> Fault:
-    def fault(time: float, wire: Wire) -> None:
+    def fault(_: float, wire: Wire) -> None:
         if wire["gnss.time"] > BEGIN:
             wire["gnss.time"] += size
 
@@ -209,7 +209,7 @@ def test_zeros_are_no_measurement(seconds: float, patience: int, model: dict[str
     assert float(np.abs(data["velocity_error"].values[:, :2]).max()) < 30.0
 
 
-def rates(time: float, wire: Wire) -> None:
+def rates(_: float, wire: Wire) -> None:
     wire.put("imu.delta_angle", 100.0 * wire.vector("imu.delta_angle"))
     wire.put("imu.delta_velocity", 100.0 * wire.vector("imu.delta_velocity"))
 
@@ -230,7 +230,7 @@ def test_twenty_thousand_bad_samples_are_a_few_lines(model: dict[str, str], fmus
     assert int(data["rejected_samples"][-1]) == pytest.approx((600.0 - BEGIN) * 100, abs=2)
 
 
-def late_fix(time: float, wire: Wire) -> None:
+def late_fix(_: float, wire: Wire) -> None:
     wire["gnss.time"] += 0.003 if wire["gnss.sample"] else 0.0
 
 
@@ -242,7 +242,7 @@ def test_a_fix_a_little_younger_than_the_imu_data_waits(model: dict[str, str], f
     sound(data)
 
 
-def frozen(time: float, wire: Wire) -> None:
+def frozen(_: float, wire: Wire) -> None:
     if wire["gnss.time"] > BEGIN:
         wire["gnss.latitude"], wire["gnss.longitude"], wire["gnss.height"] = 0.55, 2.05, 3.0
         wire.put("gnss.velocity", np.array([0.1, 9.9, 0.0]))

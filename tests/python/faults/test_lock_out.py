@@ -1,4 +1,4 @@
-"""A gate that refuses is no end: filters of the small vehicle come back from a wrong start or a wrong tuning."""
+"""A gate that refuses is no end: filters of the small vehicle come back from a wrong start or tuning."""
 
 from __future__ import annotations
 
@@ -78,7 +78,9 @@ def test_a_wrong_tuning_is_survived(model, corrector, drive, navigation) -> None
     assert wrong(out, horizontal, heading).sum() * EVERY / RATE < 10.0
 
 
-@pytest.mark.parametrize("corrector", ["adaptive_factor", "variational_bayes", "igg", "h_infinity", "standard"])
+@pytest.mark.parametrize(
+    "corrector", ["adaptive_factor", "variational_bayes", "igg", "h_infinity", "standard"]
+)
 def test_without_a_gate_estimates_stay_bounded(corrector, drive, navigation) -> None:
     told = {
         "measurement.velocity_sigma": drive.velocity_sigma / 3,

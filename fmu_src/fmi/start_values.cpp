@@ -1,0 +1,128 @@
+#include "fmi/start_values.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <fstream>
+#include <locale>
+#include <map>
+#include <memory>
+#include <sstream>
+
+#include "fmi/checksum.hpp"
+#include "fmi/refusal.hpp"
+
+namespace truenorth::fmi {
+namespace {
+
+constexpr const char* file_name = "start_values.txt";
+
+// ":" and the checksum, 16 hexadecimal digits.
+std::string mark_of(std::string_view text) {
+    std::array<char, 16> digits{};
+    auto* const end = std::to_chars(digits.begin(), digits.end(), checksum_of(text), 16).ptr;
+    std::string mark(":");
+    mark.append(static_cast<std::size_t>(digits.end() - end), '0');
+    mark.append(digits.begin(), end);
+    return mark;
+}
+
+// The same decimal point in every environment.
+std::istringstream reader_of(const std::string& text) {
+    std::istringstream stream(text);
+    stream.imbue(std::locale::classic());
+    return stream;
+}
+
+template <class T>
+void set(const Cell& cell, const std::string& text) {
+    T value{};
+    std::istringstream stream = reader_of(text);
+    if (!(stream >> value) || stream.peek() != std::istringstream::traits_type::eof()) {
+        throw Refusal(std::string(file_name) + ": " + cell.variable.name + " = " + text +
+                      ": must be a value of its type");
+    }
+    *static_cast<T*>(cell.address) = value;
+}
+
+}  // namespace
+
+StartValues StartValues::marked(std::string_view mark, const std::filesystem::path& resources) {
+    StartValues given;
+    if (mark.empty()) {
+        return given;
+    }
+    const std::filesystem::path path = resources / file_name;
+    std::ostringstream content;
+    if (!(content << std::ifstream(path, std::ios::binary).rdbuf())) {
+        throw Refusal("the start values of this export are not in " + path.string() +
+                      "; the tool must tell the FMU where its resources are");
+    }
+    const std::string text = content.str();
+    if (mark_of(text) != mark) {
+        throw Refusal(path.string() + " is corrupt, or of another export: its mark is " + mark_of(text) +
+                      ", modelDescription.xml has " + std::string(mark));
+    }
+    std::istringstream stream = reader_of(text);
+    for (std::string name, value; stream >> name >> value;) {
+        given.values_.emplace_back(name, value);
+    }
+    return given;
+}
+
+void StartValues::apply(std::span<const Cell> cells) const {
+    if (values_.empty()) {
+        return;
+    }
+    std::map<std::string_view, const Cell*> by_name;
+    for (const Cell& cell : cells) {
+        by_name.emplace(cell.variable.name, &cell);
+    }
+    for (const auto& [name, text] : values_) {
+        const auto found = by_name.find(name);
+        if (found == by_name.end()) {
+            throw Refusal(std::string(file_name) + ": there is no variable " + name);
+        }
+        const Cell& cell = *found->second;
+        if (cell.variable.causality == Causality::output) {
+            throw Refusal(std::string(file_name) + ": " + name + " is an output and cannot be set");
+        }
+        switch (cell.variable.type) {
+            case Type::real:
+                set<double>(cell, text);
+                break;
+            case Type::integer:
+                set<int>(cell, text);
+                break;
+            case Type::boolean:
+                set<bool>(cell, text);
+                break;
+        }
+    }
+}
+
+std::filesystem::path folder_of(std::string_view location) {
+    constexpr std::string_view scheme = "file:";
+    if (!location.starts_with(scheme)) {
+        return {std::u8string(location.begin(), location.end())};
+    }
+    std::string_view rest = location.substr(scheme.size());
+    if (rest.starts_with("//")) {  // a host follows, empty or this one
+        rest.remove_prefix(std::min(rest.find('/', 2), rest.size()));
+    }
+    std::u8string path;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        auto byte = static_cast<unsigned char>(rest[i]);
+        if (rest[i] == '%' && i + 2 < rest.size()) {
+            const std::string_view digits = rest.substr(i + 1, 2);
+            std::from_chars(std::to_address(digits.begin()), std::to_address(digits.end()), byte, 16);
+            i += digits.size();
+        }
+        path += static_cast<char8_t>(byte);
+    }
+    const bool drive = path.size() > 2 && path[0] == u8'/' && path[2] == u8':';
+    return {drive ? path.substr(1) : path};
+}
+
+}  // namespace truenorth::fmi

@@ -1,0 +1,128 @@
+"""Whether an export, or an FMU of one, is what was written, valid, and still gives its reference results."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import fmpy
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+from sim_scenarios.archives import is_as_written, read_archive
+from sim_scenarios.errors import InputError
+from sim_scenarios.exchange import checksums, replay
+from sim_scenarios.exchange.evidence import FOLDER
+
+SCHEMAS = Path(fmpy.__file__).parent / "ssp" / "schema"
+TOLERANCE = {True: 1e-6, False: 1e-9}
+"""Largest difference from the reference of an FMU with inputs, and of one without."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One thing that was looked at.
+
+    Attributes
+    ----------
+    what : str
+        Claim.
+    holds : bool
+    findings : list of str
+        What does not hold, or how well it does.
+    """
+
+    what: str
+    holds: bool
+    findings: list[str]
+
+
+def verify(path: Path) -> list[Check]:
+    """Look at a folder that `truenorth export` wrote, or at one FMU of it.
+
+    Nothing of it is run unless it has not changed.
+    """
+    if path.is_dir():
+        contents = content_of_folder(path)
+        archives = sorted(path.rglob("*.fmu"))
+        systems = sorted(path.glob("*.ssp"))
+    elif path.is_file():
+        contents, archives, systems = content_of_fmu(path), [path], []
+    else:
+        raise InputError(f"{path} is neither a folder nor a file")
+    checks = [Check("The content is what was exported", not contents, contents)]
+    if contents:
+        return [*checks, Check("The FMUs were not run", False, ["the content has changed"])]
+    return [*checks, *map(_valid, archives), *map(_described, systems), *map(_repeated, archives)]
+
+
+def content_of_folder(folder: Path) -> list[str]:
+    """Differences from the list of checksums in a folder."""
+    listed = folder / checksums.NAME
+    if not listed.is_file():
+        raise InputError(f"{listed} is missing; {folder} is not from `truenorth export`")
+    return checksums.differences(checksums.of_folder(folder), listed.read_bytes())
+
+
+def content_of_fmu(archive: Path) -> list[str]:
+    """Differences from the list of checksums in an FMU."""
+    try:
+        members = read_archive(archive)
+        as_written = is_as_written(archive)
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        ValueError,
+        NotImplementedError,
+        EOFError,
+        OSError,
+    ) as error:
+        return [f"{archive.name} is damaged: {error}"]
+    listed = members.pop(f"{FOLDER}/{checksums.NAME}", None)
+    if listed is None:
+        return [
+            f"{archive.name} has no {FOLDER}/{checksums.NAME}; it is damaged, or not from `truenorth export`"
+        ]
+    found = checksums.differences(members, listed)
+    return found if as_written else [*found, f"{archive.name}: the zip archive has changed"]
+
+
+def _valid(archive: Path) -> Check:
+    """FMPy's checks of an FMU: schema and rules of the standard."""
+    problems = [str(problem) for problem in validate_fmu(str(archive))]
+    return Check(f"{_named(archive)} is valid", not problems, problems)
+
+
+def _described(archive: Path) -> Check:
+    """Description and parameters of a system against the schemas of SSP 1.0."""
+    problems = list(_schema_errors(archive))
+    return Check(f"{archive.name} is valid", not problems, problems)
+
+
+def _schema_errors(archive: Path) -> Iterator[str]:
+    for name, content in read_archive(archive).items():
+        kind = {".ssd": "Description", ".ssv": "ParameterValues"}.get(Path(name).suffix)
+        if kind is None:
+            continue
+        document = etree.fromstring(content)
+        if document.get("version") != "1.0":  # FMPy has no schema of it
+            continue
+        schema = etree.XMLSchema(etree.parse(SCHEMAS / f"SystemStructure{kind}.xsd"))
+        if not schema.validate(document):
+            yield from (f"{name}: {error.message}" for error in schema.error_log)
+
+
+def _repeated(archive: Path) -> Check:
+    """The reference experiment of an FMU, run here."""
+    experiment = replay.experiment(read_archive(archive))
+    limit = TOLERANCE[bool(experiment.inputs)]
+    found = replay.difference(archive, experiment)
+    outcome = "equal" if found == 0 else f"largest difference {found:.1e}, limit {limit:g}"
+    return Check(f"{_named(archive)} repeats its reference results", found <= limit, [outcome])
+
+
+def _named(archive: Path) -> str:
+    return f"{archive.parent.name}/{archive.name}"

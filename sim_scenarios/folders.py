@@ -1,0 +1,168 @@
+"""Folders that are filled wholly or not at all, and folders that do not outlive their process.
+
+Whoever makes such a folder holds a lock on a file in it. The system lets go of the lock when the process
+ends, however it ends; so a folder whose lock can be had is one that a killed process left, and the next one
+that works in the same place removes it. (The number of a process would not do: it may be given anew, and
+another container may know it as something else.)
+"""
+
+from __future__ import annotations
+
+import atexit
+import os
+import shutil
+import stat
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import IO, Final
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+
+TEMPORARY: Final = "truenorth-tmp-"
+DRAFT: Final = ".truenorth-draft-"
+"""Beginnings of the names of folders that are removed."""
+
+_LOCK: Final = ".lock"
+_NEWBORN: Final = 60.0
+"""How long a folder may be made without being locked yet [s]."""
+
+
+class Owned:
+    """A folder of this process, until it is removed or the process ends.
+
+    Parameters
+    ----------
+    parent : Path
+        Where it is made; what killed processes of this user left there is removed.
+    prefix : str
+        Beginning of its name.
+    """
+
+    def __init__(self, parent: Path, prefix: str) -> None:
+        _sweep(parent, prefix)
+        self.path = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
+        self._lock: IO[bytes] | None = None
+        try:
+            self._lock = (self.path / _LOCK).open("wb")
+            _try_lock(self._lock)
+            self._lock.write(b"locked\n")
+            self._lock.flush()
+        except BaseException:
+            self.remove()
+            raise
+
+    def remove(self) -> None:
+        """Remove the folder with all that is in it, the lock last."""
+        for entry in self.path.glob("*"):
+            remove(entry)
+        if self._lock:
+            self._lock.close()
+        remove(self.path)
+
+
+@contextmanager
+def filled(folder: Path) -> Iterator[Path]:
+    """A draft of a folder: what is written into it is in the folder at the end, or nowhere at an exception.
+
+    Files of the same names are replaced, each as a whole; others stay. When the disk is full or the process
+    is killed, the folder holds what it held before.
+    """
+    existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    draft = Owned(existing, DRAFT)
+    try:
+        content = draft.path / "content"
+        content.mkdir()
+        yield content
+        _move(content, folder)
+    finally:
+        draft.remove()
+
+
+@cache
+def temporary() -> Path:
+    """The folder of this process for what it needs while it lives; removed at its end."""
+    if _shared is not None:
+        return _shared
+    owned = Owned(Path(tempfile.gettempdir()), TEMPORARY)
+    atexit.register(owned.remove)
+    return owned.path
+
+
+def share(folder: Path) -> None:
+    """Put all temporary files of this process into the folder of the process that has started it."""
+    global _shared
+    _shared = folder
+    tempfile.tempdir = str(folder)
+
+
+_shared: Path | None = None
+
+
+def remove(path: Path) -> None:
+    """Remove a file or a folder, as far as that is possible."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with suppress(OSError):
+            path.unlink()
+
+
+def discard(path: Path) -> None:
+    """Remove a folder or a file: it disappears as a whole, however long its removal takes."""
+    if path.exists():
+        grave = Owned(path.parent, DRAFT)
+        path.replace(grave.path / path.name)
+        grave.remove()
+
+
+def _move(content: Path, target: Path) -> None:
+    """Put a file or folder in its place; of a folder that exists, what has the same names is replaced."""
+    if content.is_dir() and target.is_dir():
+        for entry in sorted(content.iterdir()):
+            _move(entry, target / entry.name)
+    else:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        content.replace(target)
+
+
+def _sweep(parent: Path, prefix: str) -> None:
+    """Remove what killed processes of this user left."""
+    for folder in parent.glob(f"{prefix}*"):
+        with suppress(OSError):
+            if _is_own(folder) and _is_left(folder):
+                remove(folder)
+
+
+def _is_own(folder: Path) -> bool:
+    about = folder.lstat()
+    return stat.S_ISDIR(about.st_mode) and (sys.platform == "win32" or about.st_uid == os.getuid())
+
+
+def _is_left(folder: Path) -> bool:
+    """Whether no process has the folder, and this module made it."""
+    lock = folder / _LOCK
+    if not lock.exists() or lock.stat().st_size == 0:
+        newborn = time.time() - folder.lstat().st_mtime < _NEWBORN
+        return not newborn and all(path == lock for path in folder.iterdir())
+    with lock.open("r+b") as file:
+        return _try_lock(file)
+
+
+def _try_lock(lock: IO[bytes]) -> bool:
+    """Lock a file until it is closed; whether that was possible."""
+    try:
+        if sys.platform == "win32":
+            msvcrt.locking(lock.fileno(), msvcrt.LK_NBLCK, 1)
+        else:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

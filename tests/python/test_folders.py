@@ -1,0 +1,141 @@
+"""Folders: filled wholly or not at all, and removed with their process however it ends."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import pytest
+
+from sim_scenarios import folders
+from sim_scenarios.folders import DRAFT, TEMPORARY, Owned, discard, filled
+
+OWNER = """
+    import sys, time
+    from pathlib import Path
+    from sim_scenarios.folders import {made}
+    folder = {made}({arguments})
+    print(getattr(folder, "path", folder), flush=True)
+    (getattr(folder, "path", folder) / "large").write_bytes(bytes(1000))
+    sys.stdin.read() if {waits} else None
+"""
+
+
+IS_ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
+
+
+def owner(made: str, arguments: str = "", waits: bool = True) -> subprocess.Popen[str]:
+    """A process with a folder, that lives until its standard input ends."""
+    code = textwrap.dedent(OWNER.format(made=made, arguments=arguments, waits=waits))
+    pipe = subprocess.PIPE
+    return subprocess.Popen([sys.executable, "-c", code], stdin=pipe, stdout=pipe, text=True)
+
+
+def line(process: subprocess.Popen[str]) -> Path:
+    assert process.stdout is not None
+    return Path(process.stdout.readline().strip())
+
+
+def test_the_next_one_removes_what_a_killed_process_left(tmp_path: Path) -> None:
+    with owner("Owned", f"Path({str(tmp_path)!r}), 'x-'") as process:
+        folder = line(process)
+        Owned(tmp_path, "x-").remove()
+        assert folder.is_dir()  # it lives
+        process.kill()
+    assert folder.is_dir()
+    Owned(tmp_path, "x-").remove()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_process_removes_its_temporary_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    with owner("temporary", waits=False) as process:
+        folder = line(process)
+        assert folder.name.startswith(TEMPORARY)
+        assert folder.parent == tmp_path
+        process.communicate(timeout=60)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_not_a_folder_of_this_module_stays(tmp_path: Path) -> None:
+    """A folder of the user's with such a name, a link, a file; and one that is being made."""
+    old = time.time() - 1000
+    (tmp_path / "x-results").mkdir()
+    (tmp_path / "x-results" / "report.html").touch()
+    os.utime(tmp_path / "x-results", (old, old))
+    (tmp_path / "x-file").touch()
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / folders._LOCK).write_text("locked")
+    (tmp_path / "x-link").symlink_to(tmp_path / "elsewhere")
+    (tmp_path / "x-newborn").mkdir()
+    before = sorted(tmp_path.rglob("*"))
+    Owned(tmp_path, "x-").remove()
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_folder_that_was_never_locked_is_removed_when_it_is_old(tmp_path: Path) -> None:
+    (tmp_path / "x-1").mkdir()
+    (tmp_path / "x-2").mkdir()
+    (tmp_path / "x-2" / folders._LOCK).touch()
+    for folder in tmp_path.iterdir():
+        os.utime(folder, (time.time() - 1000,) * 2)
+    Owned(tmp_path, "x-").remove()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not IS_ROOT, reason="needs root: a folder of another user")
+def test_a_folder_of_another_user_stays(tmp_path: Path) -> None:
+    theirs = Owned(tmp_path, "x-")
+    theirs._lock.close()  # type: ignore[union-attr]
+    os.chown(theirs.path, 65534, 65534)
+    Owned(tmp_path, "x-").remove()
+    assert theirs.path.is_dir()
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_folder_is_filled_at_the_end(tmp_path: Path, there: bool) -> None:
+    folder = tmp_path / "a" / "b" if not there else tmp_path
+    with filled(folder) as draft:
+        (draft / "below").mkdir()
+        (draft / "below" / "file").write_text("new")
+        assert not (folder / "below").exists()
+    assert (folder / "below" / "file").read_text() == "new"
+    assert not list(tmp_path.rglob(f"{DRAFT}*"))
+    if hasattr(os, "umask"):
+        mask = os.umask(0)
+        os.umask(mask)
+        assert (folder / "below").stat().st_mode & 0o777 == 0o777 & ~mask
+        assert there or folder.stat().st_mode & 0o777 == 0o777 & ~mask
+
+
+def test_files_of_the_same_name_are_replaced_and_others_stay(tmp_path: Path) -> None:
+    (tmp_path / "one").write_text("old")
+    (tmp_path / "two").write_text("old")
+    with filled(tmp_path) as draft:
+        (draft / "one").write_text("new")
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"one": "new", "two": "old"}
+
+
+@pytest.mark.parametrize("there", [False, True])
+@pytest.mark.parametrize("error", [OSError, KeyboardInterrupt])
+def test_nothing_is_filled_at_an_exception(tmp_path: Path, error: type[BaseException], there: bool) -> None:
+    folder = tmp_path / "folder"
+    if there:
+        folder.mkdir()
+        (folder / "one").write_text("old")
+    before = [(path, path.is_file() and path.read_text()) for path in sorted(tmp_path.rglob("*"))]
+    with pytest.raises(error), filled(folder) as draft:  # noqa: PT012
+        (draft / "one").write_text("new")
+        raise error
+    assert [(path, path.is_file() and path.read_text()) for path in sorted(tmp_path.rglob("*"))] == before
+
+
+def test_what_is_discarded_is_gone(tmp_path: Path) -> None:
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    discard(tmp_path / "a")
+    discard(tmp_path / "a")
+    assert list(tmp_path.iterdir()) == []
