@@ -38,7 +38,6 @@ ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d&
     }
     const std::int64_t since_seen = advance(seen_, sample);
     seen_ = sample;
-
     if (!std::isfinite(time) || !delta_angle.allFinite() || !delta_velocity.allFinite()) {
         return reject(Finding::not_finite);
     }
@@ -59,22 +58,41 @@ ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d&
     }
     Rates rates;
     rates << delta_angle / interval.covered, delta_velocity / interval.covered;
+    const Finding wrong = judge(rates, interval.covered);
+    if (wrong != Finding::none) {
+        return reject(wrong);
+    }
+    increment_ = {.dt = interval.covered, .delta_angle = delta_angle, .delta_velocity = delta_velocity};
+    learn(interval, rates);
+    tell_time(time, reading, interval);
+    learn_stride(reading.count);
+    period_ = interval.covered;
+    accepted_ = sample;
+    any_ = true;
+    return interval.resumes ? Verdict::resumed : Verdict::accepted;
+}
+
+// What no vehicle does, and what is no increment.
+ImuInput::Finding ImuInput::judge(const Rates& rates, double covered) {
     if (rates.head<3>().matrix().norm() > kLargestRate || rates.tail<3>().matrix().norm() > kLargestForce) {
-        return reject(Finding::impossible);
+        return Finding::impossible;
     }
     const Rates& usual = activity_.knows() ? activity_.mean() : rates;
-    if (usual.tail<3>().matrix().norm() > kLargestMeanForce) {
-        if (activity_.knows()) {
-            activity_.add(rates, interval.covered);
-        }
-        return reject(Finding::no_increment);
+    if (usual.tail<3>().matrix().norm() <= kLargestMeanForce) {
+        return Finding::none;
     }
+    if (activity_.knows()) {
+        activity_.add(rates, covered);
+    }
+    return Finding::no_increment;
+}
 
+// Takes the increment to what is known of the sensor; fills in what was lost before it.
+void ImuInput::learn(const Interval& interval, Rates rates) {
     finding_ = interval.finding;
     doubtful_angle_.setZero();
     doubtful_velocity_.setZero();
     const double lost = interval.resumes ? 0.0 : interval.lost;
-    increment_ = {.dt = interval.covered, .delta_angle = delta_angle, .delta_velocity = delta_velocity};
     if (lost > 0.0) {
         fill(lost, rates);
         activity_.add(rates, interval.covered);
@@ -87,9 +105,14 @@ ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d&
         }
         doubt_what_is_stuck(interval.covered);
     }
-    gap_ = period_ > 0.0 ? std::max(static_cast<int>(std::lround(lost / interval.covered)) - refused_, 0) : 0;
+    const auto parts = static_cast<int>(std::lround(lost / interval.covered));
+    gap_ = period_ > 0.0 ? std::max(parts - refused_, 0) : 0;
     count_up(missed_, gap_);
+    refused_ = 0;
+}
 
+// The filter's time goes on with what was covered or bridged; a clock that was set is another offset.
+void ImuInput::tell_time(double time, const Reading& reading, const Interval& interval) {
     if (interval.finding == Finding::clock_set) {
         time_ += interval.resumes ? std::max(reading.elapsed, interval.covered) : increment_.dt;
         offset_ = time - time_;
@@ -102,14 +125,8 @@ ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d&
     if (finding_ != Finding::none) {
         suspected_ = clock_;
     }
-    learn_stride(reading.count);
-    period_ = interval.covered;
     heard_ = clock_;
-    accepted_ = sample;
-    refused_ = 0;
     old_ = 0;
-    any_ = true;
-    return interval.resumes ? Verdict::resumed : Verdict::accepted;
 }
 
 ImuInput::Verdict ImuInput::reject(Finding finding) {
@@ -149,7 +166,8 @@ ImuInput::Interval ImuInput::between(const Reading& reading, double delta_veloci
     const bool counted = std::abs(parts * period_ - dt) <= kDenied * period_;
     const bool set = dt <= 0.0 || (leaps && !counted && elapsed < kDenied * dt);
     const bool even = elapsed < kGap * period_;  // neither the clock nor the rate of the samples has a gap
-    const double passed = !set ? dt : even ? period_ : elapsed;
+    const double shown = even ? period_ : elapsed;
+    const double passed = set ? shown : dt;
 
     Interval interval{.covered = passed};
     if (passed > kLongestInterval) {

@@ -115,7 +115,9 @@ class ImuInput {
     [[nodiscard]] Interval between(const Reading& reading, double delta_velocity) const;
     [[nodiscard]] bool spans(double passed, double delta_velocity, double parts) const;
     [[nodiscard]] bool follows(const Reading& reading, std::int64_t since_seen);
-    [[nodiscard]] bool impossible(const Rates& rates) const;
+    Finding judge(const Rates& rates, double covered);
+    void learn(const Interval& interval, Rates rates);
+    void tell_time(double time, const Reading& reading, const Interval& interval);
     void learn_stride(std::int64_t count);
     void fill(double lost, const Rates& rates);
     void hold_jumps(Rates& rates);

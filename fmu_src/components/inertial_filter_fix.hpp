@@ -258,6 +258,21 @@ void InertialFilter<Interface, Engines...>::scale(E& engine) {
     scale_h_infinity(engine, parameters, std::min(imu_.time() - last_fix_, left));
 }
 
+// What a rung of the way back does.
+inline const char* deed(int rung, bool heading_found) {
+    if (rung == 1) {
+        return "position and velocity are taken from the next";
+    }
+    if (heading_found) {
+        return "and the filter starts again, with the heading that changes of velocity tell";
+    }
+    if (rung < Recovery::kRestart) {
+        return "attitude and sensors are in doubt with it";
+    }
+    return rung < Recovery::kLast ? "and the filter starts again from the next"
+                                  : "and the filter starts again, with another heading";
+}
+
 // The computed level frame has been turned: what is kept of the past turns with it.
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::turn(const Eigen::Matrix3d& rotation) {
@@ -281,14 +296,9 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
     const int rung = recovery_.climb(clock_, parameters.gate.patience);
     const bool found = finder_.tells();
     if (log_->listens()) {
-        const char* deed = rung == 1 ? "position and velocity are taken from the next"
-                           : found
-                               ? "and the filter starts again, with the heading that changes of velocity tell"
-                           : rung < Recovery::kRestart ? "attitude and sensors are in doubt with it"
-                           : rung < Recovery::kLast    ? "and the filter starts again from the next"
-                                                       : "and the filter starts again, with another heading";
         log_->event(text("the gate refused ", parameters.gate.patience, " fixes in a row until ",
-                         rounded(clock_), " s (gate.patience): the prediction is blamed, ", deed));
+                         rounded(clock_), " s (gate.patience): the prediction is blamed, ",
+                         deed(rung, found)));
     }
     nis_window_.restart();
     engine.corrector.restart();
@@ -301,18 +311,16 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
         off = E::Where::discrepancy(residual);
     }
     if (rung >= Recovery::kRestart || (rung > 1 && found)) {
-        const double angle = found                     ? finder_.angle()
-                             : rung == Recovery::kLast ? Recovery::kAnotherHeading
-                                                       : 0.0;
+        const double other = rung == Recovery::kLast ? Recovery::kAnotherHeading : 0.0;
+        const double angle = found ? finder_.angle() : other;
         const Eigen::AngleAxisd heading(angle, Eigen::Vector3d::UnitZ());
         Change proposal{.rotation = heading * levelled(engine.best())};
         if (directed) {
             proposal.velocity = -off.velocity;
             proposal.displacement = -off.position;
         }
-        const double sigma = engine.kStartsWhereItIs ? Recovery::kAnyHeading
-                             : found                 ? Recovery::kTilt + finder_.sigma()
-                                                     : Recovery::kHeading;
+        const double near = found ? Recovery::kTilt + finder_.sigma() : Recovery::kHeading;
+        const double sigma = E::kStartsWhereItIs ? Recovery::kAnyHeading : near;
         const Change change = engine.start_again(proposal, {Recovery::kTilt, Recovery::kTilt, sigma}, off);
         turn(change.rotation);
         history_.shift(change.velocity, change.displacement);
