@@ -59,15 +59,44 @@ def test_refusals_are_logged_unless_switched_off(instance: Instance) -> None:
 def test_events_can_be_switched(fmus: dict[str, Fmu], signals: list[dict[str, Number]], name: str) -> None:
     with fmus[name].instance() as instance:
         instance.start()
-        for index, (on, categories, lines) in enumerate(
-            [(True, ("logEvents",), 1), (False, ("logEvents",), 0), (True, ("logAll",), 1), (False, (), 0)]
-        ):
-            assert switch(instance, on, *categories) == OK
+        index = 0
+
+        def step(**spoilt: Number) -> int:
+            """Lines that a step adds."""
+            nonlocal index
             before = len(instance.journal.lines)
-            instance.inputs.assign({**signals[index], "imu.delta_angle[1]": math.nan})
+            instance.inputs.assign({**signals[index], **spoilt})
             instance.inputs.write(instance)
             assert instance.step(index * STEP, STEP) == OK
-            assert len(instance.journal.lines) - before == lines
+            index += 1
+            return len(instance.journal.lines) - before
+
+        for on, categories, lines in [
+            (True, ("logEvents",), 1),
+            (False, ("logEvents",), 0),
+            (True, ("logAll",), 1),
+            (False, (), 0),
+        ]:
+            assert switch(instance, on, *categories) == OK
+            assert step(**{"imu.delta_angle[1]": math.nan}) == lines
+            step()  # the same again would not be told
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_the_same_event_again_is_told_once_a_minute(
+    fmus: dict[str, Fmu], signals: list[dict[str, Number]], name: str
+) -> None:
+    with fmus[name].instance(logging=True) as instance:
+        instance.start()
+        before = len(instance.journal.lines)
+        for index in range(1000):
+            spoilt = {"imu.sample": index + 1, "imu.delta_angle[1]": math.nan}
+            instance.inputs.assign({**signals[0], **spoilt})
+            instance.inputs.write(instance)
+            assert instance.step(index * 0.13, 0.13) == OK  # 130 s
+        told = [line.text for line in instance.journal.lines[before:] if "IMU sample" in line.text]
+        assert len(told) == 3
+        assert "more before" in told[-1]
 
 
 @pytest.mark.parametrize("categories", [("logNothing",), ("logEvents", "logNothing")])
