@@ -235,7 +235,7 @@ def test_a_scheduler_with_tls_takes_those_with_its_certificate(tmp_path: Path) -
             assert address.startswith("tls://")
             with execution.workers(None, address) as workers:
                 assert dict(workers.results(abs, [-1, 2])) == {-1: 1, 2: 2}
-            with pytest.raises(OSError, match=r"(?i)ssl|tls|certificate|timed out"):
+            with pytest.raises(OSError, match=r"(?i)closed|reset|timed out"):
                 Client(address.replace("tls://", "tcp://"), timeout=5)
 
 
