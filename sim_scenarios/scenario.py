@@ -357,7 +357,7 @@ def _overridden(table: Mapping[str, Any], parts: Parts, settings: Mapping[str, o
     given = {part: dict(_dotted(table.get(part, {}))) for part in parts}
     compare = {label: dict(_dotted(variant)) for label, variant in table["compare"].items()}
     for name, value in settings.items():
-        owner, parameter = _owner(name, parts)
+        owner, parameter = setting_owner(name, parts)
         if owner in parts:
             for values in (given[owner], *(compare.values() if owner == "filter" else ())):
                 _put(values, parts[owner], parameter, value)
@@ -373,7 +373,13 @@ def _put(values: dict[str, object], fmu: Fmu, name: str, value: object) -> None:
     values[name] = value
 
 
-def _owner(name: str, parts: Parts) -> tuple[str, str]:
+def parts_of(scenario: Scenario, fmus: Fmus) -> Parts:
+    """The FMUs that a scenario connects, by the table of their parameters."""
+    parts = {"plant": fmus.plant, "filter": fmus[scenario.filter_fmu]}
+    return parts if scenario.alignment is None else {**parts, "alignment": fmus[ALIGNMENT_FILTER]}
+
+
+def setting_owner(name: str, parts: Parts) -> tuple[str, str]:
     """Which part of a scenario a setting belongs to (one of its FMUs, or "scenario"), and its name there."""
     owners = [part for part, fmu in parts.items() if fmu.has_parameter(name)]
     if len(owners) > 1:

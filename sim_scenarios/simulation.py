@@ -65,6 +65,8 @@ NOT_IN_THE_BOUND = (
     "gnss.outage.end",
     "gnss.noise_scale.",
     "gnss.satellite_limit.",
+    "fault.imu.kind",
+    "fault.gnss.kind",
 )
 """Beginnings of the names of plant parameters that are no part of the Cramer-Rao bound."""
 MANOEUVRES = (

@@ -10,6 +10,8 @@
 //   fix_of(sighting, port)   the model's Fix; `port` is the filter's input `gnss`
 //   slot(i, output)          optional: the element of an output such as `innovation` that is measurement i
 //   publish(outputs, x, sigma)  optional: outputs of the states that are no Block
+//   blame(P, more)           optional: the variance that an Uncertainty gives to states that are no Block
+//   discrepancy(residual)    optional: how far off a fix is; else as its position and velocity say
 //   renewed(port, restart)   optional: calls restart(i) when measurement i comes from another source
 //
 // Estimator and correctors of a model are compiled in the adapter's own source file, once for every
@@ -17,6 +19,7 @@
 #pragma once
 
 #include "components/sighting.hpp"
+#include "components/uncertainty.hpp"
 #include "estimation/corrector.hpp"
 #include "estimation/estimator.hpp"
 

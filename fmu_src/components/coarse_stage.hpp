@@ -5,12 +5,12 @@
 #pragma once
 
 #include <cereal/types/vector.hpp>
-#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "components/time_tolerance.hpp"
+#include "components/uncertainty.hpp"
 #include "estimation/relinearised.hpp"
 #include "inertial/vector_alignment.hpp"
 
@@ -25,15 +25,16 @@ class CoarseStage {
     static constexpr double kSpacing = 0.1;         // [s]
     static constexpr int kFewest = 10;              // fixes, for a scatter that can be believed
 
-    // Begins at the next fix. The first time allocates.
+    // Allocates what it will ever need.
+    void reserve() { epochs_.reserve(kCapacity); }
+
+    // Begins at the next fix.
     void begin() {
         active_ = true;
         interval_ = {};
-        doubtful_angle_ = 0.0;
-        doubtful_velocity_ = 0.0;
+        doubted_ = {};
         alignment_ = {};
         epochs_.clear();
-        epochs_.reserve(kCapacity);
     }
     void end() {
         active_ = false;
@@ -43,13 +44,12 @@ class CoarseStage {
 
     void extend(const Preintegration& interval) { interval_ = interval_ * interval; }
 
-    // Attitude [rad] and velocity [m/s] have become uncertain by so much more than the sensors explain.
-    void doubt(double angle, double velocity) {
-        doubtful_angle_ = std::hypot(doubtful_angle_, angle);
-        doubtful_velocity_ = std::hypot(doubtful_velocity_, velocity);
+    // The navigation state has become uncertain by so much more than the sensors explain.
+    void doubt(const Uncertainty& more) {
+        doubted_.attitude += more.attitude;
+        doubted_.velocity += more.velocity;
     }
-    [[nodiscard]] double doubtful_angle() const { return doubtful_angle_; }
-    [[nodiscard]] double doubtful_velocity() const { return doubtful_velocity_; }
+    [[nodiscard]] const Uncertainty& doubted() const { return doubted_; }
 
     [[nodiscard]] bool awaits_fix() const {
         return epochs_.empty() || interval_.duration > kSpacing - kTimeTolerance;
@@ -78,16 +78,15 @@ class CoarseStage {
     void serialize(Archive& archive) {
         archive(active_);
         if constexpr (Archive::is_loading::value) {
-            epochs_.reserve(active_ ? kCapacity : 0);
+            reserve();
         }
-        archive(interval_, doubtful_angle_, doubtful_velocity_, alignment_, epochs_);
+        archive(interval_, doubted_.attitude, doubted_.velocity, alignment_, epochs_);
     }
 
   private:
     bool active_ = false;
     Preintegration interval_;  // since the last fix that was kept
-    double doubtful_angle_ = 0.0;
-    double doubtful_velocity_ = 0.0;
+    Uncertainty doubted_;
     VectorAlignment alignment_;
     std::vector<Epoch<M>> epochs_;
 };

@@ -1,6 +1,9 @@
 // An error model at work: what the kinds of it share. NavigationEngine estimates the errors of a
 // mechanisation that runs beside it, StateEngine the navigation state itself, InvariantEngine that on its
 // group.
+//
+// What takes work stands behind the classes, not in them, so that it is compiled once, in the source file of
+// each adapter.
 #pragma once
 
 #include <cmath>
@@ -17,6 +20,13 @@ struct Change {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // of the computed attitude
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      // [m/s]
     Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  // [m]
+
+    // A state to which this has happened.
+    [[nodiscard]] NavigationState of(const NavigationState& before) const {
+        return {.q_bn = (Eigen::Quaterniond(rotation) * before.q_bn).normalized(),
+                .velocity = before.velocity + velocity,
+                .position = earth::displaced(before.position, displacement)};
+    }
 
     // From one state to another.
     static Change between(const NavigationState& before, const NavigationState& after) {
@@ -49,57 +59,38 @@ class Engine {
     Vector<kStates> prior_sigma = Vector<kStates>::Ones();
 
     // Back to the prior covariance: the estimate stays, but nothing is known of its error.
-    void forget() { estimator.covariance = prior_sigma.cwiseAbs2().asDiagonal(); }
+    void forget();
 
-    // What is known of attitude [rad] and velocity [m/s] becomes uncertain by so much more.
-    void doubt(double angle, double velocity) {
-        auto variance = estimator.covariance.diagonal();
-        variance.segment(Where::attitude.first, Where::attitude.count).array() += angle * angle;
-        variance.segment(Where::velocity.first, Where::velocity.count).array() += velocity * velocity;
-    }
+    // Likewise, with an attitude of these sigmas, east, north, up [rad].
+    void forget(const Eigen::Vector3d& attitude_sigma);
+
+    // What is known of the navigation state and the sensors becomes less certain.
+    void add_uncertainty(const Uncertainty& more);
 
     // A model that has a coarse stage says when it is in it.
     [[nodiscard]] static constexpr bool is_coarse() { return false; }
 
-    // Blames the navigation state: its variances are divided by alpha, its correlations stay. What is known
-    // of the sensors is not touched: it comes from their makers, and no start can make it wrong.
-    void blame(double alpha) {
-        Vector<kStates> growth = Vector<kStates>::Constant(1.0 / std::sqrt(alpha));
-        const auto spare = [&](Block block) { growth.segment(block.first, block.count).setOnes(); };
-        spare(Where::gyro);
-        spare(Where::accelerometer);
-        if constexpr (requires { Where::markov; }) {
-            spare(Where::markov);
-        }
-        auto& P = estimator.covariance;
-        P = (growth.asDiagonal() * P * growth.asDiagonal()).eval();
-    }
-
     [[nodiscard]] const Mechanisation& mechanisation() const { return mechanisation_; }
 
     // Of the misalignment that is estimated [rad].
-    [[nodiscard]] Eigen::Vector3d misalignment_sigma() const {
-        const Vector<kStates> sigma = estimator.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-        return components(sigma, Where::attitude);
-    }
+    [[nodiscard]] Eigen::Vector3d misalignment_sigma() const;
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(estimator, corrector, adapter, mechanisation_, gyro_bias_, accelerometer_bias_, found_);
+        archive(estimator, corrector, adapter, mechanisation_, gyro_bias_, accelerometer_bias_,
+                first_gyro_bias_, first_accelerometer_bias_, found_);
     }
 
   protected:
-    void set_out(const Start& start) {
-        mechanisation_ = Mechanisation(start.state);
-        gyro_bias_ = start.gyro_bias;
-        accelerometer_bias_ = start.accelerometer_bias;
-        found_.setZero();
-        adapter = {};
-        corrector.restart();
-        forget();
-        if (!start.covariance.isZero(0.0)) {
-            take_covariance<Where>(estimator.covariance, start.covariance);
-        }
+    // As a covariance of the states, for a model whose errors are those of the navigation state, ENU.
+    [[nodiscard]] Matrix<kStates> states_of(const Uncertainty& more) const;
+
+    void set_out(const Start& start);
+
+    // Back to what was known of the sensors at the start.
+    void forget_sensors() {
+        gyro_bias_ = first_gyro_bias_;
+        accelerometer_bias_ = first_accelerometer_bias_;
     }
 
     // Freed of the biases that are known.
@@ -112,7 +103,77 @@ class Engine {
     Mechanisation mechanisation_;
     Eigen::Vector3d gyro_bias_ = Eigen::Vector3d::Zero();           // known [rad/s]
     Eigen::Vector3d accelerometer_bias_ = Eigen::Vector3d::Zero();  // known [m/s2]
+    Eigen::Vector3d first_gyro_bias_ = Eigen::Vector3d::Zero();           // at the start
+    Eigen::Vector3d first_accelerometer_bias_ = Eigen::Vector3d::Zero();  // likewise
     Eigen::Vector3d found_ = Eigen::Vector3d::Zero();               // misalignment, by the last fix [rad]
 };
+
+template <ErrorModel M>
+void Engine<M>::forget() {
+    estimator.covariance = prior_sigma.cwiseAbs2().asDiagonal();
+}
+
+template <ErrorModel M>
+void Engine<M>::forget(const Eigen::Vector3d& attitude_sigma) {
+    Vector<kStates> sigma = prior_sigma;
+    sigma.template segment<3>(Where::attitude.first) = attitude_sigma;
+    estimator.covariance = sigma.cwiseAbs2().asDiagonal();
+}
+
+template <ErrorModel M>
+void Engine<M>::add_uncertainty(const Uncertainty& more) {
+    estimator.covariance += states_of(more);
+}
+
+template <ErrorModel M>
+Eigen::Vector3d Engine<M>::misalignment_sigma() const {
+    const Vector<kStates> sigma = estimator.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    return components(sigma, Where::attitude);
+}
+
+template <ErrorModel M>
+auto Engine<M>::states_of(const Uncertainty& more) const -> Matrix<kStates> {
+    Matrix<kStates> P = Matrix<kStates>::Zero();
+    const auto put = [&P](Block block, const Eigen::Matrix3d& variance) {
+        for (int i = 0; i < block.count; ++i) {
+            for (int j = 0; j < block.count; ++j) {
+                P(block.first + i, block.first + j) = variance(i, j);
+            }
+        }
+    };
+    put(Where::attitude, more.attitude);
+    put(Where::velocity, more.velocity);
+    put(Where::position, more.position);
+    const auto blame = [&](Block block) {
+        for (int i = block.first; i < block.first + block.count; ++i) {
+            P(i, i) = more.sensors * prior_sigma(i) * prior_sigma(i);
+        }
+    };
+    blame(Where::gyro);
+    blame(Where::accelerometer);
+    if constexpr (requires { Where::markov; }) {
+        blame(Where::markov);
+    }
+    if constexpr (requires { Where::blame(P, more); }) {
+        Where::blame(P, more);
+    }
+    return P;
+}
+
+template <ErrorModel M>
+void Engine<M>::set_out(const Start& start) {
+    mechanisation_ = Mechanisation(start.state);
+    gyro_bias_ = start.gyro_bias;
+    accelerometer_bias_ = start.accelerometer_bias;
+    first_gyro_bias_ = gyro_bias_;
+    first_accelerometer_bias_ = accelerometer_bias_;
+    found_.setZero();
+    adapter = {};
+    corrector.restart();
+    Engine::forget();
+    if (!start.covariance.isZero(0.0)) {
+        take_covariance<Where>(estimator.covariance, start.covariance);
+    }
+}
 
 }  // namespace truenorth

@@ -2,6 +2,8 @@
 
 namespace truenorth {
 
+template class Engine<EulerPlatform>;
+template class NavigationEngine<EulerPlatform>;
 template class Estimator<EulerPlatform>;
 template class Corrector<EulerPlatform::kStates, EulerPlatform::kMeasurements>;
 

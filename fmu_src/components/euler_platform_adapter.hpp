@@ -3,6 +3,7 @@
 
 #include "components/adapter.hpp"
 #include "components/parameter_rules.hpp"
+#include "components/navigation_engine.hpp"
 #include "error_models/euler_platform.hpp"
 
 namespace truenorth {
@@ -70,6 +71,8 @@ struct Adapter<EulerPlatform> {
     }
 };
 
+extern template class Engine<EulerPlatform>;
+extern template class NavigationEngine<EulerPlatform>;
 extern template class Estimator<EulerPlatform>;
 extern template class Corrector<EulerPlatform::kStates, EulerPlatform::kMeasurements>;
 

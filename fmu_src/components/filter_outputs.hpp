@@ -1,10 +1,32 @@
 // From an engine to the outputs that the inertial filters share (modelDescription/shared).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "components/engine.hpp"
 #include "estimation/innovation_gate.hpp"
 
 namespace truenorth {
+
+// Heading is the azimuth of the body's forward axis f: of a misalignment phi, ENU, its error is
+//
+//     -phi_u + (f_e phi_e + f_n phi_n) f_u / (f_e^2 + f_n^2),
+//
+// for small phi. With the forward axis steep the tilts tell in it; straight up there is no heading, and its
+// sigma is that of a uniform distribution on the circle at most.
+inline double heading_sigma(const Eigen::Matrix3d& attitude_covariance, const Eigen::Quaterniond& q_bn) {
+    constexpr double kAny = std::numbers::pi / std::numbers::sqrt3;
+    const Eigen::Vector3d forward = q_bn * Eigen::Vector3d::UnitY();
+    const double level = forward.head<2>().squaredNorm();
+    if (level < 1e-12) {
+        return kAny;
+    }
+    const Eigen::Vector3d gradient(forward.x() * forward.z() / level, forward.y() * forward.z() / level, -1.0);
+    const double variance = gradient.dot(attitude_covariance * gradient);
+    return std::sqrt(std::max(variance, 0.0));
+}
 
 // The navigation state and what is known of it.
 template <class Outputs, class Engine, class Parameters>
@@ -26,7 +48,8 @@ void publish_estimate(Outputs& outputs, const Engine& engine, double time, const
     const Vector<Engine::kStates> sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     outputs.misalignment = engine.misalignment();
     outputs.misalignment_sigma = engine.misalignment_sigma();
-    outputs.heading_sigma = sigma(Where::attitude.first + 2);
+    outputs.heading_sigma = heading_sigma(
+        covariance.template block<3, 3>(Where::attitude.first, Where::attitude.first), best.q_bn);
     outputs.velocity_sigma = components(sigma, Where::velocity);
     outputs.gyro_bias = engine.gyro_bias();
     outputs.gyro_bias_sigma = components(sigma, Where::gyro, p.prior.gyro_bias_sigma);
@@ -57,12 +80,12 @@ void spread_out(Output& output, const Vector<M>& measurements) {
 
 // What a fix brought.
 template <class Where, class Outputs, int N, int M>
-void publish_innovation(Outputs& outputs, const Innovation<N, M>& innovation) {
+void publish_innovation(Outputs& outputs, const Innovation<N, M>& innovation, double nis) {
     const Vector<M> present = innovation.present.template cast<double>().matrix();
     const Vector<M> sigma = (innovation.spread + innovation.noise).diagonal().cwiseSqrt();
     spread_out<Where, M>(outputs.innovation, innovation.residual);
     spread_out<Where, M>(outputs.innovation_sigma, sigma.cwiseProduct(present));
-    outputs.nis = nis(innovation);
+    outputs.nis = nis;
     outputs.nis_channels = innovation.channels();
 }
 
@@ -86,7 +109,8 @@ void publish_correction(Outputs& outputs, const Correction<N, M>& correction, bo
     spread_out<Where, M>(outputs.measurement_sigma_estimate, sigma.cwiseProduct(measured));
     outputs.adaptive.alpha = correction.alpha;
     outputs.robust.feasible = correction.feasible;
-    outputs.robust.gamma_effective = h_infinity && correction.feasible ? correction.gamma_effective : 0.0;
+    const bool robust = h_infinity && correction.feasible && std::isfinite(correction.gamma_effective);
+    outputs.robust.gamma_effective = robust ? correction.gamma_effective : 0.0;
 }
 
 }  // namespace truenorth

@@ -79,12 +79,17 @@ Vector<Engine::kStates> prior_sigma_of(const Parameters& p) {
     return sigma;
 }
 
-// Sigmas beyond which the adaptive factor makes no state uncertain: of an attitude half a turn (or its
-// prior), of anything else far more than was known of it at the start, or than a fix tells of it.
+// Sigmas beyond which the adaptive factor makes no state uncertain: an attitude not beyond what an error
+// equation still describes (or some times its prior), a sensor not beyond some times its prior, anything else
+// not beyond far more than was known of it at the start, or than a fix tells of it.
 template <class Engine, class Parameters>
 Vector<Engine::kStates> widest_of(const Engine& engine, const Parameters& p) {
     using Where = typename Engine::Where;
     constexpr double kTimes = 1e4;  // 1e8 of a variance: half of the digits of a double
+    constexpr double kTimesOfAttitude = 3.0;
+    constexpr double kTimesOfSensors = 10.0;
+    constexpr double kTilt = 0.1;     // [rad]
+    constexpr double kHeading = 0.3;  // [rad]
     Vector<Engine::kStates> widest = kTimes * engine.prior_sigma;
     const auto at_least = [&](Block block, double value) {
         auto part = widest.segment(block.first, block.count);
@@ -95,8 +100,13 @@ Vector<Engine::kStates> widest_of(const Engine& engine, const Parameters& p) {
         at_least(Where::position,
                  kTimes * std::max(p.measurement.position_sigma, p.measurement.height_sigma));
     }
+    for (const Block sensor : {Where::gyro, Where::accelerometer}) {
+        widest.segment(sensor.first, sensor.count) *= kTimesOfSensors / kTimes;
+    }
     auto attitude = widest.segment(Where::attitude.first, Where::attitude.count);
-    attitude = (attitude / kTimes).cwiseMax(std::numbers::pi).eval();
+    attitude = (kTimesOfAttitude / kTimes * attitude).cwiseMin(std::numbers::pi).eval();
+    const Eigen::Vector3d least(kTilt, kTilt, kHeading);
+    attitude = attitude.cwiseMax(least).eval();
     return widest;
 }
 
@@ -142,9 +152,11 @@ void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& widest, co
                                                                                      : BayesForm::corrected;
     bayes.rho = variational_bayes.rho;
     bayes.iterations = variational_bayes.iterations;
+    bayes.limit = variational_bayes.limit;
 }
 
-// L and the ceiling of the H-infinity update, `elapsed` seconds after the last one.
+// L and the ceiling of the H-infinity update that gives up what is due for `elapsed` seconds: nothing, if these
+// are not positive and no ceiling bounds it.
 template <class Engine, class Parameters>
 void scale_h_infinity(Engine& engine, const Parameters& p, double elapsed) {
     using Scaling = decltype(p.robust.scaling);
@@ -158,10 +170,10 @@ void scale_h_infinity(Engine& engine, const Parameters& p, double elapsed) {
     h_infinity.ceiling = std::nullopt;
     switch (p.robust.scaling) {
         case Scaling::printed:
-            h_infinity.scale.setOnes();
+            h_infinity.scale.setConstant(elapsed > 0.0 ? 1.0 : 0.0);
             break;
         case Scaling::rate_invariant:
-            h_infinity.scale = std::sqrt(elapsed / p.robust.horizon) * sigma.cwiseInverse();
+            h_infinity.scale = std::sqrt(std::max(elapsed, 0.0) / p.robust.horizon) * sigma.cwiseInverse();
             break;
         case Scaling::ceiling:
             h_infinity.scale = sigma.cwiseInverse();
@@ -186,7 +198,9 @@ void configure(Engine& engine, const Parameters& p) {
         engine.feedback = p.feedback;
     }
     if constexpr (requires { engine.coarse_heading_sigma = p.coarse.heading_sigma; }) {
-        engine.coarse_heading_sigma = p.coarse.enabled ? p.coarse.heading_sigma : 0.0;
+        engine.coarse_heading_sigma = p.coarse.heading_sigma;
+        engine.begins_coarsely = p.coarse.enabled;
+        engine.resumes_coarsely = p.coarse.enabled;
     }
     engine.estimator.predictor = predictor_of(p);
     engine.prior_sigma = prior_sigma_of<Engine>(p);

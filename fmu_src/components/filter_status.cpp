@@ -4,41 +4,53 @@
 
 namespace truenorth {
 
-void FilterStatus::start(double time) {
+void FilterStatus::start(double clock) {
     *this = FilterStatus{};
-    last_use_ = time;
+    last_use_ = clock;
 }
 
-void FilterStatus::use_fix(double time) {
-    last_use_ = time;
+void FilterStatus::use_fix(double clock) {
+    last_use_ = clock;
     used_ = true;
 }
 
-FilterStatus::State FilterStatus::judge(double now, const Evidence& evidence, const Rules& rules) {
-    const bool waits = !evidence.sensing || !used_;
-    const bool coasts = since_fix(now) > rules.coasting_delay;
-    const bool believable = !faulted_ && !waits && !coasts && !evidence.coarse && evidence.consistent;
-    if (!believable || evidence.heading_sigma >= rules.heading_sigma) {
-        below_since_ = std::numeric_limits<double>::quiet_NaN();
-    } else if (std::isnan(below_since_)) {
-        below_since_ = now;
-    }
+// What keeps a filter from being believed, the gravest first; aligning if nothing does.
+FilterStatus::State FilterStatus::hindrance(double clock, const Evidence& evidence,
+                                            const Rules& rules) const {
     if (faulted_) {
         return State::faulted;
     }
-    if (waits) {
+    if (!evidence.sensing || !used_) {
         return State::waiting;
     }
-    if (coasts) {
+    if (evidence.silent) {
+        return State::silent;
+    }
+    if (since_fix(clock) > rules.coasting_delay) {
         return State::coasting;
     }
     if (evidence.coarse) {
         return State::coarse;
     }
-    if (!evidence.consistent) {
-        return State::inconsistent;
+    if (evidence.recovering) {
+        return State::recovering;
     }
-    return now - below_since_ >= rules.hold_time ? State::converged : State::aligning;
+    if (evidence.suspect) {
+        return State::suspect;
+    }
+    return evidence.consistent ? State::aligning : State::inconsistent;
+}
+
+FilterStatus::State FilterStatus::judge(double clock, const Evidence& evidence, const Rules& rules) {
+    const State state = hindrance(clock, evidence, rules);
+    if (state != State::aligning || evidence.heading_sigma >= rules.heading_sigma) {
+        below_since_ = std::numeric_limits<double>::quiet_NaN();
+        return state;
+    }
+    if (std::isnan(below_since_)) {
+        below_since_ = clock;
+    }
+    return clock - below_since_ >= rules.hold_time ? State::converged : State::aligning;
 }
 
 }  // namespace truenorth

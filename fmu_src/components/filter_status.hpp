@@ -1,5 +1,5 @@
-// What an inertial filter is doing: waiting, aligning, coarsely or not, converged, inconsistent, coasting or
-// faulted.
+// What an inertial filter is doing: whether it works, what it waits for, and whether its heading is to be
+// believed. It runs on the master's clock: a sensor that has failed has no time.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,10 @@ class FilterStatus {
         coasting,
         faulted,
         coarse,
-        inconsistent
+        inconsistent,
+        silent,
+        suspect,
+        recovering
     };
 
     struct Rules {
@@ -28,25 +31,28 @@ class FilterStatus {
 
     struct Evidence {
         bool sensing;          // an IMU sample has been accepted
+        bool silent;           // but none for too long
+        bool suspect;          // the IMU data of late cannot be all right
         bool coarse;           // the attitude is not the filter's yet
+        bool recovering;       // the filter is on its way back
         bool consistent;       // the innovations of late agree with their covariance
         double heading_sigma;  // [rad]
     };
 
-    void start(double time);
+    void start(double clock);
 
-    // A fix has corrected the estimate at `time`.
-    void use_fix(double time);
+    // A fix has corrected the estimate.
+    void use_fix(double clock);
 
     // The estimate cannot be used any more.
     void fault() { faulted_ = true; }
     [[nodiscard]] bool faulted() const { return faulted_; }
 
     // Since the last fix used, or the start [s].
-    [[nodiscard]] double since_fix(double now) const { return now - last_use_; }
+    [[nodiscard]] double since_fix(double clock) const { return clock - last_use_; }
 
     // Call after every step.
-    State judge(double now, const Evidence& evidence, const Rules& rules);
+    State judge(double clock, const Evidence& evidence, const Rules& rules);
 
     template <class Archive>
     void serialize(Archive& archive) {
@@ -54,8 +60,10 @@ class FilterStatus {
     }
 
   private:
+    [[nodiscard]] State hindrance(double clock, const Evidence& evidence, const Rules& rules) const;
+
     double last_use_ = 0.0;  // time of the last fix used, or the start [s]
-    // Since when the heading is good enough and the fixes confirm it [s]; NaN: it is not.
+    // Since when the heading is good enough and nothing speaks against it [s]; NaN: it is not.
     double below_since_ = std::numeric_limits<double>::quiet_NaN();
     bool used_ = false;
     bool faulted_ = false;

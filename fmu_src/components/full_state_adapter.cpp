@@ -2,6 +2,8 @@
 
 namespace truenorth {
 
+template class Engine<FullState>;
+template class StateEngine<FullState>;
 template class Estimator<FullState>;
 template class Corrector<FullState::kStates, FullState::kMeasurements>;
 

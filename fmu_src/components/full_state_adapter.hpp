@@ -3,6 +3,7 @@
 
 #include "components/parameter_rules.hpp"
 #include "components/position_fix.hpp"
+#include "components/state_engine.hpp"
 #include "error_models/full_state.hpp"
 
 namespace truenorth {
@@ -48,6 +49,8 @@ struct Adapter<FullState> : PositionFix {
     }
 };
 
+extern template class Engine<FullState>;
+extern template class StateEngine<FullState>;
 extern template class Estimator<FullState>;
 extern template class Corrector<FullState::kStates, FullState::kMeasurements>;
 

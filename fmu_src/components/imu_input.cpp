@@ -2,53 +2,235 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "components/time_tolerance.hpp"
 
 namespace truenorth {
 
+namespace {
+
+// An interval of so many periods and more has a gap, and a clock that shows less than such a part of an
+// interval denies it.
+constexpr double kGap = 1.5;
+constexpr double kDenied = 0.5;
+
+constexpr int kConfirmations = 3;  // samples in a row that show the same before it is believed
+
+constexpr double kGravity = 9.8;  // about, anywhere on Earth [m/s2]
+
+// From one count to another, whatever overflow lies between.
+std::int64_t advance(int from, int to) {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(to) - static_cast<std::uint32_t>(from));
+}
+
+void count_up(int& counter, int by = 1) {
+    counter = by > std::numeric_limits<int>::max() - counter ? std::numeric_limits<int>::max() : counter + by;
+}
+
+}  // namespace
+
 ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d& delta_angle,
-                                 const Eigen::Vector3d& delta_velocity) {
+                                 const Eigen::Vector3d& delta_velocity, double clock) {
+    clock_ = std::max(clock_, clock);
     if (sample == seen_) {
         return Verdict::stale;
     }
+    const std::int64_t since_seen = advance(seen_, sample);
     seen_ = sample;
 
-    const bool resumes = time > leap_time_ && time - leap_time_ <= kLongestInterval;  // false for NaN
-    const double before = resumes ? leap_time_ : time_;
-    const double dt = time - before;
-    // Before the first sample, and after the sensor's count has been reset, there is nothing to have missed.
-    const int parts = any_ ? std::max(sample - (resumes ? leap_sample_ : accepted_), 1) : 1;
-    const double part = dt / parts;
-    const bool leaps = std::isfinite(time) && dt > kLongestInterval;
-    leap_time_ = leaps ? time : std::numeric_limits<double>::quiet_NaN();
-    leap_sample_ = leaps ? sample : 0;
-    const bool plausible = !leaps && std::isfinite(time) && part > kTimeTolerance &&
-                           delta_angle.allFinite() && delta_velocity.allFinite() &&
-                           delta_angle.norm() <= kLargestRate * part &&
-                           delta_velocity.norm() <= kLargestForce * part;
-    if (!plausible) {
-        ++rejected_;
-        ++rejected_since_;
-        return Verdict::rejected;
+    if (!std::isfinite(time) || !delta_angle.allFinite() || !delta_velocity.allFinite()) {
+        return reject(Finding::not_finite);
     }
-    gap_ = resumes ? 0 : std::max(parts - 1 - rejected_since_, 0);
-    missed_ += gap_;
-    const double filled_in = resumes || increment_.dt == 0.0 ? 0.0 : (parts - 1) * part;
-    if (filled_in > 0.0) {
-        doubtful_angle_ = filled_in * (delta_angle / part - increment_.delta_angle / increment_.dt).norm();
-        doubtful_velocity_ =
-            filled_in * (delta_velocity / part - increment_.delta_velocity / increment_.dt).norm();
+    if (delta_angle.isZero(0.0) && delta_velocity.isZero(0.0)) {
+        return reject(Finding::dead);
+    }
+    const double before = any_ || std::isnan(refused_stamp_) ? stamp() : refused_stamp_;
+    const Reading reading{.count = any_ ? advance(accepted_, sample) : 1,
+                          .dt = time - before,
+                          .elapsed = clock_ - heard_};
+    refused_stamp_ = time;
+    if (any_ && !follows(reading, since_seen)) {
+        return reject(Finding::old);
+    }
+    const double force = delta_velocity.norm();
+    const Interval interval = any_ ? between(reading, force) : first(reading.dt, force);
+    if (interval.covered <= kTimeTolerance) {
+        return reject(Finding::old);
+    }
+    Rates rates;
+    rates << delta_angle / interval.covered, delta_velocity / interval.covered;
+    if (rates.head<3>().matrix().norm() > kLargestRate || rates.tail<3>().matrix().norm() > kLargestForce) {
+        return reject(Finding::impossible);
+    }
+    const Rates& usual = activity_.knows() ? activity_.mean() : rates;
+    if (usual.tail<3>().matrix().norm() > kLargestMeanForce) {
+        if (activity_.knows()) {
+            activity_.add(rates, interval.covered);
+        }
+        return reject(Finding::no_increment);
+    }
+
+    finding_ = interval.finding;
+    doubtful_angle_.setZero();
+    doubtful_velocity_.setZero();
+    const double lost = interval.resumes ? 0.0 : interval.lost;
+    increment_ = {.dt = interval.covered, .delta_angle = delta_angle, .delta_velocity = delta_velocity};
+    if (lost > 0.0) {
+        fill(lost, rates);
+        activity_.add(rates, interval.covered);
     } else {
-        doubtful_angle_ = 0.0;
-        doubtful_velocity_ = 0.0;
+        if (!interval.resumes && interval.covered <= kGap * period_) {
+            hold_jumps(rates);
+        }
+        if (finding_ != Finding::jump) {
+            activity_.add(rates, interval.covered);
+        }
+        doubt_what_is_stuck(interval.covered);
     }
-    increment_ = {.dt = dt, .delta_angle = parts * delta_angle, .delta_velocity = parts * delta_velocity};
-    time_ = time;
-    any_ = true;
+    gap_ = period_ > 0.0 ? std::max(static_cast<int>(std::lround(lost / interval.covered)) - refused_, 0) : 0;
+    count_up(missed_, gap_);
+
+    if (interval.finding == Finding::clock_set) {
+        time_ += interval.resumes ? std::max(reading.elapsed, interval.covered) : increment_.dt;
+        offset_ = time - time_;
+    } else {
+        time_ = time - offset_;
+    }
+    if (interval.finding != Finding::none) {
+        count_up(disagreements_);
+    }
+    if (finding_ != Finding::none) {
+        suspected_ = clock_;
+    }
+    learn_stride(reading.count);
+    period_ = interval.covered;
+    heard_ = clock_;
     accepted_ = sample;
-    rejected_since_ = 0;
-    return resumes ? Verdict::resumed : Verdict::accepted;
+    refused_ = 0;
+    old_ = 0;
+    any_ = true;
+    return interval.resumes ? Verdict::resumed : Verdict::accepted;
+}
+
+ImuInput::Verdict ImuInput::reject(Finding finding) {
+    finding_ = finding;
+    count_up(rejected_);
+    count_up(refused_);
+    return Verdict::rejected;
+}
+
+// A time that goes back with a count that goes on is that of a clock that was set. With the count, both show an
+// old sample, unless they go on from there: a sensor that was switched off and on.
+bool ImuInput::follows(const Reading& reading, std::int64_t since_seen) {
+    if (reading.dt > kTimeTolerance) {
+        return true;
+    }
+    if (reading.dt >= -kTimeTolerance) {
+        return false;
+    }
+    old_ = since_seen > 0 ? old_ + 1 : 1;
+    return reading.count > 0 || old_ >= kConfirmations;
+}
+
+// Of the first sample of all, whose stamp may have nothing to do with the start time: then the force tells.
+ImuInput::Interval ImuInput::first(double dt, double delta_velocity) {
+    const bool plausible = dt > 0.0 && dt <= kLongestInterval && delta_velocity > 0.2 * kGravity * dt &&
+                           delta_velocity < kLargestForce * dt;
+    if (plausible || delta_velocity == 0.0) {
+        return {.covered = dt};
+    }
+    return {.covered = delta_velocity / kGravity, .resumes = true};
+}
+
+ImuInput::Interval ImuInput::between(const Reading& reading, double delta_velocity) const {
+    const auto& [count, dt, elapsed] = reading;
+    const double parts = static_cast<double>(count) / static_cast<double>(stride_);
+    const bool leaps = dt > kGap * period_;
+    const bool counted = std::abs(parts * period_ - dt) <= kDenied * period_;
+    const bool set = dt <= 0.0 || (leaps && !counted && elapsed < kDenied * dt);
+    const bool even = elapsed < kGap * period_;  // neither the clock nor the rate of the samples has a gap
+    const double passed = !set ? dt : even ? period_ : elapsed;
+
+    Interval interval{.covered = passed};
+    if (passed > kLongestInterval) {
+        interval.covered = period_;
+        interval.resumes = true;
+    } else if (passed > kGap * period_ && !spans(passed, delta_velocity, parts)) {
+        interval.covered = period_;
+        interval.lost = passed - period_;
+    }
+    if (set) {
+        interval.finding = Finding::clock_set;
+    } else if (parts > kGap && !leaps) {
+        interval.finding = Finding::count_leapt;
+    }
+    return interval;
+}
+
+// An increment covers all of a longer interval, as under a master that takes longer steps, or a period of it,
+// after samples that were lost: by the force that it shows, or else by its count.
+bool ImuInput::spans(double passed, double delta_velocity, double parts) const {
+    if (!activity_.knows()) {
+        return parts < kGap;
+    }
+    const double force = activity_.mean().tail<3>().matrix().norm();
+    return delta_velocity > force * std::sqrt(passed * period_);
+}
+
+// A count that has advanced by the same a few times advances so.
+void ImuInput::learn_stride(std::int64_t count) {
+    new_strides_ = count == new_stride_ ? std::min(new_strides_ + 1, kConfirmations) : 1;
+    new_stride_ = count;
+    if (new_strides_ == kConfirmations && count > 0) {
+        stride_ = count;
+    }
+}
+
+// Adds what was lost before the increment.
+void ImuInput::fill(double lost, const Rates& rates) {
+    const double count = lost / increment_.dt;
+    const Rates guess = lost * activity_.guess(rates, count);
+    const Rates doubt = lost * activity_.doubt(rates, count);
+    increment_.dt += lost;
+    increment_.delta_angle += guess.head<3>().matrix();
+    increment_.delta_velocity += guess.tail<3>().matrix();
+    doubtful_angle_ = doubt.head<3>();
+    doubtful_velocity_ = doubt.tail<3>();
+}
+
+// On an axis that is out of line the value before is held, until it stays so.
+void ImuInput::hold_jumps(Rates& rates) {
+    const Eigen::Array<bool, 6, 1> out = activity_.jumps(rates);
+    const bool held = activity_.knows() && out.any() && jumps_ < kConfirmations;
+    jumps_ = held ? jumps_ + 1 : 0;
+    if (!held) {
+        return;
+    }
+    const double dt = increment_.dt;
+    const Rates doubt = out.select(dt * (rates - activity_.last()).abs(), 0.0);
+    rates = out.select(activity_.last(), rates);
+    increment_.delta_angle = dt * rates.head<3>().matrix();
+    increment_.delta_velocity = dt * rates.tail<3>().matrix();
+    doubtful_angle_ = doubt.head<3>();
+    doubtful_velocity_ = doubt.tail<3>();
+    finding_ = Finding::jump;
+}
+
+// What an axis that stands still leaves out adds up: after T seconds to the usual deviation times T.
+void ImuInput::doubt_what_is_stuck(double covered) {
+    const Eigen::Array<bool, 6, 1> stuck = activity_.stuck();
+    if (!stuck.any()) {
+        stuck_for_.setZero();
+        return;
+    }
+    const Rates before = stuck_for_;
+    stuck_for_ = stuck.select(stuck_for_ + covered, 0.0);
+    const Rates doubt =
+        stuck.select(activity_.deviation() * (stuck_for_.square() - before.square()).max(0.0).sqrt(), 0.0);
+    doubtful_angle_ += doubt.head<3>().matrix();
+    doubtful_velocity_ += doubt.tail<3>().matrix();
+    finding_ = Finding::stuck;
 }
 
 }  // namespace truenorth

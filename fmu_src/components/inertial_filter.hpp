@@ -7,23 +7,33 @@
 //
 // A model may begin with a coarse stage, in which fixes are collected rather than filtered.
 //
+// What the filter says of its health runs on the master's clock. A fix waits for the IMU sample that covers it;
+// a filter whose gate refuses one fix after another is on a way back that does not end (recovery.hpp).
+//
 // `Interface` names the generated variables of a component, `Engines` the models that it offers (engine.hpp).
 // The definitions stand in inertial_filter_run.hpp and inertial_filter_fix.hpp, for the file of each
 // component that instantiates them.
 #pragma once
 
+#include <cstdint>
 #include <variant>
 
 #include "components/antenna_history.hpp"
+#include "components/attitude_ledger.hpp"
 #include "components/filter_status.hpp"
 #include "components/gnss_input.hpp"
 #include "components/imu_input.hpp"
 #include "components/log.hpp"
 #include "components/navigation_engine.hpp"
+#include "components/recovery.hpp"
+#include "components/repetition.hpp"
 #include "components/serialisation.hpp"
+#include "components/waiting_fixes.hpp"
 #include "estimation/nis_window.hpp"
 
 namespace truenorth {
+
+enum class Refusal : std::uint8_t;  // inertial_filter_fix.hpp
 
 template <class Interface, class... Engines>
 class InertialFilter {
@@ -39,8 +49,9 @@ class InertialFilter {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(parameters, inputs, outputs, imu_, gnss_, history_, travelled_, status_, nis_window_,
-                under_way_, told_long_interval_);
+        archive(parameters, inputs, outputs, imu_, gnss_, waiting_, history_, travelled_, status_, nis_window_,
+                recovery_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_, told_long_interval_, told_samples_,
+                told_fixes_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
             configure_engine();
@@ -55,8 +66,9 @@ class InertialFilter {
     // Sets out from here, at the time to which the IMU data reach.
     void set_out(const Start& start);
 
-    // Processes what is new at the inputs. Their time stamps count, not the master's steps.
-    void advance();
+    // Processes what is new at the inputs by the time `clock` of the master [s]. Their time stamps count; the
+    // clock tells what does not come.
+    void advance(double clock);
 
     void publish();
 
@@ -65,38 +77,60 @@ class InertialFilter {
     [[nodiscard]] Log& log() const { return *log_; }
 
   private:
+    using Port = decltype(Interface::Inputs::gnss);
+
     void check() const;
     void choose_model();      // engine_ becomes that of error_model
     void configure_engine();  // its settings, as they follow from the parameters
-    void watch();             // the inputs, before it has set out
-    void take_sample();
+    bool watch();             // the inputs, while there is no estimate
+    void start_over();
+    bool take_sample();
+    void tell_of(ImuInput::Verdict verdict);
     void warn_of_long_interval();
-    void take_fix();
-    [[nodiscard]] GnssFix fix_at_port() const;
+    bool take_fix();
+    void use(const Port& port, double valid_at);
+    [[nodiscard]] static GnssFix fix_at(const Port& port);
     void predict();
     void report(Prediction prediction);
     template <class E>
-    void correct(E& engine, const GnssFix& fix, const AntennaState& then);
+    void correct(E& engine, const Port& port, const GnssFix& fix, const AntennaState& then);
     template <class E, class Fix>
     void correct_coarsely(E& engine, const Fix& fix);
-    template <class E, class Fix>
-    double reconcile(E& engine, const Sighting& seen, const Fix& fix);
+    [[nodiscard]] Eigen::Matrix3d level_again(const NavigationState& state, bool another_heading) const;
+    template <class E, class Residual>
+    void recover(E& engine, const Sighting& seen, const Residual& residual);
+    void note_use();
+    template <class E>
+    void open_ledger(const E& engine);
+    template <class E>
+    void scale(E& engine);
     void report_infeasible();
     void question_place(const GnssFix& fix, const AntennaState& then);
-    void reject_fix(const char* reason);
+    void reject_fix(Refusal refusal);
     [[nodiscard]] AntennaState antenna() const;
     void fault(const char* reason);
+    void publish_health();
+    [[nodiscard]] bool consistent() const;
     void publish_status();
 
     Log* log_;
     ImuInput imu_;
     GnssInput gnss_;
+    WaitingFixes<Port> waiting_;
     AntennaHistory history_;
     IntervalAverage travelled_;  // running sum since the start
     FilterStatus status_;
     NisWindow nis_window_;
+    Recovery recovery_;
+    AttitudeLedger ledger_;
+    double opened_ = 0.0;      // when it was, by the filter's clock [s]
+    double clock_ = 0.0;       // the master's [s]
+    double forgetting_ = 0.0;  // for how long the H-infinity term has acted [s]
+    double last_fix_ = 0.0;    // by the filter's clock, when a fix was used last, or the start [s]
     bool under_way_ = false;
     bool told_long_interval_ = false;
+    Repetition told_samples_;
+    Repetition told_fixes_;
     std::variant<Engines...> engine_;
 };
 

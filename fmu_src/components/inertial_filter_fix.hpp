@@ -1,6 +1,9 @@
 // What inertial_filter.hpp does with a fix.
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "components/inertial_filter_run.hpp"
 
 namespace truenorth {
@@ -8,59 +11,116 @@ namespace truenorth {
 // A first fix farther than this from initial.* is a wrong initial position rather than an error of it.
 inline constexpr double kFar = 10e3;  // [m]
 
-inline const char* reason(GnssInput::Verdict verdict) {
-    switch (verdict) {
-        case GnssInput::Verdict::not_finite:
+// Why a fix is not used.
+enum class Refusal : std::uint8_t {
+    not_finite,
+    impossible,
+    frozen,
+    backwards,
+    future,
+    uncovered,
+    too_old,
+    no_channel,
+    no_weight,
+    beyond_gate
+};
+
+inline const char* reason(Refusal refusal) {
+    switch (refusal) {
+        case Refusal::not_finite:
             return "a value is not finite";
-        case GnssInput::Verdict::impossible:
+        case Refusal::impossible:
             return "position or velocity is impossible";
-        case GnssInput::Verdict::backwards:
+        case Refusal::frozen:
+            return "to the bit that of the fix before, at a speed: the receiver hangs";
+        case Refusal::backwards:
             return "its time does not follow that of the fix before";
-        case GnssInput::Verdict::future:
-            return "it is younger than the IMU data";
-        case GnssInput::Verdict::stale:
-        case GnssInput::Verdict::accepted:
-            break;
+        case Refusal::future:
+            return "it is from the future";
+        case Refusal::uncovered:
+            return "no IMU data came to cover it";
+        case Refusal::too_old:
+            return "it is older than the history that is kept, 2.5 s or 256 IMU samples";
+        case Refusal::no_channel:
+            return "no channel has a usable measurement";
+        case Refusal::no_weight:
+            return "every component lost its weight";
+        case Refusal::beyond_gate:
+            return "its NIS is beyond gate.threshold";
     }
     return "";
 }
 
-template <int N, int M>
-const char* reason_of_refusal(const InnovationGate& gate, const Innovation<N, M>& innovation) {
-    if (innovation.channels() == 0) {
-        return "no channel has a usable measurement";
+// Of a verdict that is neither stale nor accepted.
+inline Refusal refusal_of(GnssInput::Verdict verdict) {
+    switch (verdict) {
+        case GnssInput::Verdict::not_finite:
+            return Refusal::not_finite;
+        case GnssInput::Verdict::impossible:
+            return Refusal::impossible;
+        case GnssInput::Verdict::frozen:
+            return Refusal::frozen;
+        case GnssInput::Verdict::backwards:
+            return Refusal::backwards;
+        default:
+            return Refusal::future;
     }
-    return gate.admits(innovation) ? "every component lost its weight" : "its NIS is beyond gate.threshold";
+}
+
+// Of a fix whose innovation was of this NIS and so many channels.
+inline Refusal refusal_of(const InnovationGate& gate, double nis, int channels) {
+    if (channels == 0) {
+        return Refusal::no_channel;
+    }
+    return !gate.enabled || gate.explains(nis, channels) ? Refusal::no_weight : Refusal::beyond_gate;
 }
 
 template <class Interface, class... Engines>
-GnssFix InertialFilter<Interface, Engines...>::fix_at_port() const {
-    const auto& port = inputs.gnss;
+GnssFix InertialFilter<Interface, Engines...>::fix_at(const Port& port) {
     return {.time = port.time,
             .position = {.latitude = port.latitude, .longitude = port.longitude, .height = port.height},
             .velocity = port.velocity};
 }
 
+// Whether one came, or had waited long enough.
 template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::take_fix() {
-    const GnssFix fix = fix_at_port();
-    const auto verdict = gnss_.read(inputs.gnss.sample, fix, imu_.time());
-    if (verdict == GnssInput::Verdict::stale) {
-        return;
+bool InertialFilter<Interface, Engines...>::take_fix() {
+    const Port& port = inputs.gnss;
+    const auto verdict = gnss_.read(port.sample, fix_at(port),
+                                    {.now = imu_.time() + imu_.silent_for(),
+                                     .offset = imu_.offset(),
+                                     .slack = imu_.increment().dt});
+    const bool came = verdict != GnssInput::Verdict::stale;
+    if (verdict == GnssInput::Verdict::accepted) {
+        if (waiting_.full()) {
+            waiting_.pop();
+            reject_fix(Refusal::uncovered);
+        }
+        waiting_.push(port, gnss_.valid_at());
+    } else if (came) {
+        reject_fix(refusal_of(verdict));
     }
-    if (verdict != GnssInput::Verdict::accepted) {
-        reject_fix(reason(verdict));
-        return;
+    bool due = false;
+    while (!status_.faulted() && waiting_.due(imu_.time())) {
+        const auto& entry = waiting_.pop();
+        use(entry.port, entry.valid_at);
+        due = true;
     }
-    const auto then = history_.at(fix.time);
+    return came || due;
+}
+
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::use(const Port& port, double valid_at) {
+    const GnssFix fix = fix_at(port);
+    const auto then = history_.at(valid_at);
     if (!then) {
-        reject_fix("it is older than the history that is kept");
+        reject_fix(Refusal::too_old);
         return;
     }
     question_place(fix, *then);
     predict();
     if (!status_.faulted()) {
-        std::visit([&](auto& engine) { correct(engine, fix, *then); }, engine_);
+        std::visit([&](auto& engine) { correct(engine, port, fix, *then); }, engine_);
     }
 }
 
@@ -78,64 +138,72 @@ void InertialFilter<Interface, Engines...>::question_place(const GnssFix& fix, c
 }
 
 template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::reject_fix(const char* reason) {
+void InertialFilter<Interface, Engines...>::reject_fix(Refusal refusal) {
     ++outputs.rejected_fixes;
     outputs.measurement_weight.setZero();
-    if (log_->listens()) {
-        log_->event(
-            text("fix ", inputs.gnss.sample, " (gnss.time = ", inputs.gnss.time, " s) rejected: ", reason));
+    if (log_->listens() && told_fixes_.tell(static_cast<int>(refusal), clock_)) {
+        log_->event(text("fix ", inputs.gnss.sample, " (gnss.time = ", inputs.gnss.time, " s) rejected: ",
+                         reason(refusal), and_others(told_fixes_.omitted())));
     }
 }
 
 template <class Interface, class... Engines>
 template <class E>
-void InertialFilter<Interface, Engines...>::correct(E& engine, const GnssFix& fix, const AntennaState& then) {
+void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port, const GnssFix& fix,
+                                                    const AntennaState& then) {
     using Where = typename E::Where;
     const Sighting seen{.fix = fix,
                         .then = then,
                         .now = antenna(),
                         .since = travelled_ - then.travelled,
                         .lever_arm = parameters.gnss.lever_arm};
-    if constexpr (requires { engine.adapter.renewed(inputs.gnss, [](int) {}); }) {
-        engine.adapter.renewed(inputs.gnss, [&](int i) { engine.corrector.variational_bayes.restart(i); });
+    if constexpr (requires { engine.adapter.renewed(port, [](int) {}); }) {
+        engine.adapter.renewed(port, [&](int i) { engine.corrector.variational_bayes.restart(i); });
     }
-    const auto measured = engine.adapter.fix_of(seen, inputs.gnss);
-    scale_h_infinity(engine, parameters, status_.since_fix(imu_.time()));
+    const auto measured = engine.adapter.fix_of(seen, port);
+    scale(engine);
     if constexpr (requires { engine.apply_coarsely(measured); }) {
         if (engine.is_coarse()) {
             correct_coarsely(engine, measured);
             return;
         }
     }
-    double blamed = 1.0;
+    engine.corrector.gate_stands_open = recovery_.open();
     auto innovation = engine.innovate(seen, measured);
     auto correction = engine.corrector.correct(engine.estimator.covariance, innovation);
     if (innovation.channels() > 0 && engine.corrector.out_of_patience()) {
-        const double alpha = reconcile(engine, seen, measured);
+        recover(engine, seen, innovation.residual);
+        if constexpr (requires { engine.apply_coarsely(measured); }) {
+            if (engine.is_coarse()) {
+                correct_coarsely(engine, measured);
+                return;
+            }
+        }
+        engine.corrector.gate_stands_open = true;
         innovation = engine.innovate(seen, measured);
         correction = engine.corrector.correct(engine.estimator.covariance, innovation);
-        blamed = alpha;
     }
-    publish_innovation<Where>(outputs, innovation);
+    publish_innovation<Where>(outputs, innovation, correction.nis);
     if (!correction.used()) {
-        reject_fix(reason_of_refusal(engine.corrector.gate, innovation));
+        reject_fix(refusal_of(engine.corrector.gate, correction.nis, innovation.channels()));
         return;
     }
+    recovery_.pass(clock_);
+    told_fixes_.end();
     const Change change = engine.apply(correction);
     if (!change.finite) {
         fault("the correction is not finite");
         return;
     }
-    status_.use_fix(imu_.time());
-    const auto used = as_used(innovation, correction);
-    nis_window_.add(imu_.time(), nis(used), used.channels());
-    correction.alpha *= blamed;
+    note_use();
+    nis_window_.add(imu_.time(), correction.nis_used, correction.channels_used);
     const bool robust = parameters.corrector == decltype(parameters.corrector)::h_infinity;
     publish_correction<Where>(outputs, correction, robust);
     if (!correction.feasible) {
         report_infeasible();
     }
 
+    ledger_.turn(change.rotation);
     history_.turn(change.rotation, travelled_);
     history_.shift(change.velocity, change.displacement);
 
@@ -159,11 +227,14 @@ void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fi
         fault("the coarse alignment is not finite");
         return;
     }
-    status_.use_fix(imu_.time());
+    note_use();
     ++outputs.used_fixes;
     publish_no_innovation(outputs);
     history_.turn(change.rotation, travelled_);
     history_.shift(change.velocity, change.displacement);
+    if (!engine.is_coarse()) {
+        open_ledger(engine);
+    }
     if (!engine.is_coarse() && log_->listens()) {
         log_->event(
             text("coarse stage ends at ", imu_.time(), " s after ", outputs.used_fixes,
@@ -171,28 +242,81 @@ void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fi
     }
 }
 
-// The gate has refused so many fixes in a row that the prediction is blamed: by as much as lets this one
-// pass. Returns the factor; 1, and nothing is changed, if none helps.
 template <class Interface, class... Engines>
-template <class E, class Fix>
-double InertialFilter<Interface, Engines...>::reconcile(E& engine, const Sighting& seen, const Fix& fix) {
-    const auto before = engine.estimator.covariance;
-    const double smallest = engine.corrector.adaptive_factor.smallest(before);
-    double alpha = engine.corrector.adaptive_factor.alpha(before, engine.innovate(seen, fix));
-    while (alpha >= smallest) {
-        engine.blame(alpha);
-        if (engine.corrector.gate.admits(engine.innovate(seen, fix))) {
-            if (log_->listens()) {
-                log_->event(text("the gate refused ", parameters.gate.patience, " fixes in a row until ",
-                                 imu_.time(), " s (gate.patience): the prediction is blamed, its variances, ",
-                                 "those of the sensor errors excepted, divided by ", alpha));
-            }
-            return alpha;
-        }
-        engine.estimator.covariance = before;
-        alpha /= 2.0;
+void InertialFilter<Interface, Engines...>::note_use() {
+    status_.use_fix(clock_);
+    forgetting_ += imu_.time() - last_fix_;
+    last_fix_ = imu_.time();
+}
+
+// L and the ceiling of the H-infinity update. What the update gives up is meant for an alignment that lasts
+// robust.horizon; for longer it would, in time, give up everything that no fix renews. Where a ceiling bounds
+// it, it may go on.
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::scale(E& engine) {
+    const double left = parameters.robust.horizon - forgetting_;
+    scale_h_infinity(engine, parameters, std::min(imu_.time() - last_fix_, left));
+}
+
+// The rotation of an attitude, ENU, after which the mean force of late points up; perhaps to another heading.
+template <class Interface, class... Engines>
+Eigen::Matrix3d InertialFilter<Interface, Engines...>::level_again(const NavigationState& state,
+                                                                   bool another_heading) const {
+    const Eigen::Vector3d force = state.q_bn * imu_.mean_force();
+    const auto level = Eigen::Quaterniond::FromTwoVectors(force, Eigen::Vector3d::UnitZ());
+    const Eigen::AngleAxisd turn(another_heading ? Recovery::kAnotherHeading : 0.0, Eigen::Vector3d::UnitZ());
+    return (turn * level).toRotationMatrix();
+}
+
+// The gate has refused so many fixes in a row that something else than the fixes is to be blamed: what,
+// recovery.hpp says.
+template <class Interface, class... Engines>
+template <class E, class Residual>
+void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& seen,
+                                                    const Residual& residual) {
+    const int rung = recovery_.climb(clock_, parameters.gate.patience);
+    if (log_->listens()) {
+        constexpr std::array<const char*, Recovery::kLast> deeds{
+            "position and velocity are taken from the next", "attitude and sensors are in doubt with it",
+            "and the filter starts again from the next",
+            "and the filter starts again from the next, with another heading"};
+        log_->event(text("the gate refused ", parameters.gate.patience, " fixes in a row until ", rounded(clock_),
+                         " s (gate.patience): the prediction is blamed, ", deeds[rung - 1]));
     }
-    return 1.0;
+    nis_window_.restart();
+    engine.corrector.restart();
+    forgetting_ = 0.0;
+
+    Discrepancy off{.position = earth::displacement(seen.fix.position, seen.then.position),
+                    .velocity = seen.then.velocity - seen.fix.velocity};
+    const bool directed = !requires { E::Where::discrepancy(residual); };
+    if constexpr (requires { E::Where::discrepancy(residual); }) {
+        off = E::Where::discrepancy(residual);
+    }
+    if (rung >= Recovery::kRestart) {
+        Change change{.rotation = level_again(engine.best(), rung == Recovery::kLast)};
+        if (directed) {
+            const auto& measurement = parameters.measurement;
+            const double place = std::max(measurement.position_sigma, measurement.height_sigma);
+            change.velocity = -off.velocity;
+            change.displacement = -off.position;
+            off = {.position = Eigen::Vector3d::Constant(place),
+                   .velocity = Eigen::Vector3d::Constant(measurement.velocity_sigma)};
+        }
+        engine.start_again(change, {Recovery::kTilt, Recovery::kTilt, Recovery::kHeading});
+        history_.turn(change.rotation, travelled_);
+        history_.shift(change.velocity, change.displacement);
+    }
+    Uncertainty more{.velocity = off.velocity.cwiseAbs2().asDiagonal(),
+                     .position = off.position.cwiseAbs2().asDiagonal()};
+    if (rung == 2) {
+        const Eigen::Vector3d sigma(Recovery::kTilt, Recovery::kTilt, Recovery::kHeading);
+        more.attitude = sigma.cwiseAbs2().asDiagonal();
+        more.sensors = 1.0;
+    }
+    engine.add_uncertainty(more);
+    open_ledger(engine);
 }
 
 template <class Interface, class... Engines>

@@ -13,6 +13,10 @@ namespace truenorth {
 // in between: 2 s on a ship that rolls in 8 s make a heading RMSE of 17 arcmin one of 70.
 inline constexpr double kLongestGoodInterval = 1.0;  // [s]
 
+// So many fixes in a row beyond what their covariance explains are no outliers: of a consistent filter one in
+// 3000 is beyond gate.threshold, of a receiver in a bad place one in twenty.
+inline constexpr int kContradictions = 5;
+
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::check() const {
     Interface::validate(parameters);
@@ -44,8 +48,9 @@ void InertialFilter<Interface, Engines...>::prepare(double start_time) {
     imu_.start(start_time);
     gnss_.start();
     status_.start(start_time);
-    travelled_ = IntervalAverage{};
-    history_ = AntennaHistory{};
+    clock_ = start_time;
+    told_samples_ = {};
+    told_fixes_ = {};
     under_way_ = false;
     told_long_interval_ = false;
     outputs = {};
@@ -55,11 +60,30 @@ void InertialFilter<Interface, Engines...>::prepare(double start_time) {
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
-    std::visit([&](auto& engine) { engine.start(start); }, engine_);
+    std::visit(
+        [&](auto& engine) {
+            engine.start(start);
+            open_ledger(engine);
+        },
+        engine_);
+    travelled_ = IntervalAverage{};
+    history_ = AntennaHistory{};
     history_.push(antenna());
+    waiting_.clear();
     nis_window_.restart();
-    status_.start(imu_.time());  // which may be long after that of the component
+    recovery_.start();
+    status_.start(clock_);  // which may be long after that of the component
+    forgetting_ = 0.0;
+    last_fix_ = imu_.time();
     under_way_ = true;
+}
+
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::open_ledger(const E& engine) {
+    constexpr int attitude = E::Where::attitude.first;
+    ledger_.open(engine.covariance().diagonal().template segment<3>(attitude));
+    opened_ = imu_.time();
 }
 
 template <class Interface, class... Engines>
@@ -69,21 +93,27 @@ void InertialFilter<Interface, Engines...>::retune() {
 }
 
 template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::advance() {
-    if (!under_way_) {
-        watch();
+void InertialFilter<Interface, Engines...>::advance(double clock) {
+    clock_ = std::max(clock_, clock);
+    if (!under_way_ || status_.faulted()) {
+        const bool fix = watch();
+        if (under_way_ && fix) {
+            start_over();
+        }
         publish();
         return;
     }
+    bool anything_new = take_sample();
     if (!status_.faulted()) {
-        take_sample();
-    }
-    if (!status_.faulted()) {
-        take_fix();
+        anything_new = take_fix() || anything_new;
     }
     const double pending = std::visit([](const auto& engine) { return engine.pending(); }, engine_);
     if (!status_.faulted() && pending > parameters.filter.interval - kTimeTolerance) {
         predict();
+    }
+    if (!anything_new) {
+        publish_health();
+        return;
     }
     if (!status_.faulted() &&
         !std::visit([](const auto& engine) { return engine.best().finite(); }, engine_)) {
@@ -92,63 +122,140 @@ void InertialFilter<Interface, Engines...>::advance() {
     publish();
 }
 
+// Whether a sound fix came.
 template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::watch() {
+bool InertialFilter<Interface, Engines...>::watch() {
     const auto& imu = inputs.imu;
-    imu_.read(imu.sample, imu.time, imu.delta_angle, imu.delta_velocity);
-    gnss_.read(inputs.gnss.sample, fix_at_port(), imu_.time());
+    imu_.read(imu.sample, imu.time, imu.delta_angle, imu.delta_velocity, clock_);
+    const auto verdict =
+        gnss_.read(inputs.gnss.sample, fix_at(inputs.gnss), {.now = imu_.time(), .offset = imu_.offset()});
+    return verdict == GnssInput::Verdict::accepted;
 }
 
+// After a fault nothing of the estimate can be used but, perhaps, its last attitude.
 template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::take_sample() {
-    const auto& port = inputs.imu;
-    const auto verdict = imu_.read(port.sample, port.time, port.delta_angle, port.delta_velocity);
-    switch (verdict) {
-        case ImuInput::Verdict::stale:
-            return;
-        case ImuInput::Verdict::rejected:
-            if (log_->listens()) {
-                log_->event(text("IMU sample ", port.sample, " (imu.time = ", port.time,
-                                 " s) rejected: not finite, impossible, or its time does not follow ",
-                                 imu_.time(), " s"));
-            }
-            return;
-        case ImuInput::Verdict::resumed:
-            if (log_->listens()) {
-                log_->event(text("IMU data resume at imu.time = ", port.time,
-                                 " s after a gap that cannot be bridged; the estimate starts again"));
-            }
-            break;
-        case ImuInput::Verdict::accepted:
-            break;
+void InertialFilter<Interface, Engines...>::start_over() {
+    const auto& nav = outputs.nav;
+    const bool known = std::isfinite(nav.roll) && std::isfinite(nav.pitch) && std::isfinite(nav.heading);
+    const EulerAngles level{.roll = 0.0, .pitch = 0.0, .heading = 0.0};
+    const EulerAngles last{.roll = nav.roll, .pitch = nav.pitch, .heading = nav.heading};
+    const GnssFix fix = fix_at(inputs.gnss);
+    set_out({.state = {.q_bn = Eigen::Quaterniond(dcm(known ? last : level)),
+                       .velocity = fix.velocity,
+                       .position = fix.position}});
+    const Eigen::Vector3d sigma(Recovery::kTilt, Recovery::kTilt, Recovery::kHeading);
+    std::visit(
+        [&](auto& engine) {
+            engine.add_uncertainty({.attitude = sigma.cwiseAbs2().asDiagonal()});
+            open_ledger(engine);
+        },
+        engine_);
+    if (log_->listens()) {
+        log_->event(text("estimation starts over at ", rounded(clock_), " s, from the fix that came"));
     }
-    if (imu_.gap() > 0 && log_->listens()) {
-        log_->event(text(imu_.gap(), " IMU sample(s) missed before imu.time = ", port.time,
-                         " s; bridged with the mean rate of the next"));
+}
+
+// Whether there was one.
+template <class Interface, class... Engines>
+bool InertialFilter<Interface, Engines...>::take_sample() {
+    const auto& port = inputs.imu;
+    const auto verdict = imu_.read(port.sample, port.time, port.delta_angle, port.delta_velocity, clock_);
+    if (verdict == ImuInput::Verdict::stale) {
+        return false;
+    }
+    tell_of(verdict);
+    if (verdict == ImuInput::Verdict::rejected) {
+        return true;
     }
     warn_of_long_interval();
+    if (verdict == ImuInput::Verdict::resumed || imu_.gap() > 0) {
+        waiting_.clear();  // what came in a gap is nowhere near what is known of it
+    }
     const Prediction prediction = std::visit(
         [&](auto& engine) {
             if (verdict == ImuInput::Verdict::resumed) {
                 engine.forget();
+                open_ledger(engine);
                 nis_window_.restart();
                 history_ = AntennaHistory{};
             }
             const NavigationState before = engine.mechanisation().state;
             const Prediction outcome = engine.mechanise(imu_.increment());
-            engine.doubt(imu_.doubtful_angle(), imu_.doubtful_velocity());
+            if (!imu_.doubtful_angle().isZero(0.0) || !imu_.doubtful_velocity().isZero(0.0)) {
+                const Eigen::Matrix3d C_bn = engine.mechanisation().state.q_bn.toRotationMatrix();
+                const auto turned = [&C_bn](const Eigen::Vector3d& sigma) -> Eigen::Matrix3d {
+                    return C_bn * sigma.cwiseAbs2().asDiagonal() * C_bn.transpose();
+                };
+                const Uncertainty more{.attitude = turned(imu_.doubtful_angle()),
+                                       .velocity = turned(imu_.doubtful_velocity())};
+                engine.add_uncertainty(more);
+                ledger_.doubt(more.attitude.diagonal());
+            }
             travelled_.add(before, engine.mechanisation(), imu_.increment().dt);
             return outcome;
         },
         engine_);
     history_.push(antenna());
     report(prediction);
+    return true;
+}
+
+inline const char* reason(ImuInput::Finding finding) {
+    using Finding = ImuInput::Finding;
+    switch (finding) {
+        case Finding::not_finite:
+            return "a value is not finite";
+        case Finding::impossible:
+            return "a rate or a force is impossible";
+        case Finding::dead:
+            return "no rate and no force at all: the sensor does not measure";
+        case Finding::old:
+            return "its time does not follow that of the last one";
+        case Finding::no_increment:
+            return "the force is far beyond gravity for too long: imu.delta_angle and imu.delta_velocity must be "
+                   "increments over the interval, not rates";
+        case Finding::jump:
+            return "an axis leapt out of line; its value before was held";
+        case Finding::stuck:
+            return "an axis stands still; what it leaves out is doubted";
+        case Finding::count_leapt:
+            return "imu.sample leapt, imu.time did not: no sample was lost";
+        case Finding::clock_set:
+            return "imu.time leapt, the master's clock did not: the sensor's clock was set";
+        case Finding::none:
+            break;
+    }
+    return "";
+}
+
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::tell_of(ImuInput::Verdict verdict) {
+    if (!log_->listens()) {
+        return;
+    }
+    const auto& port = inputs.imu;
+    if (verdict == ImuInput::Verdict::resumed) {
+        log_->event(text("IMU data resume at imu.time = ", port.time,
+                         " s after a gap that cannot be bridged; the estimate starts again"));
+    }
+    const auto finding = imu_.finding();
+    if (finding == ImuInput::Finding::none) {
+        told_samples_.end();
+    } else if (told_samples_.tell(static_cast<int>(finding), clock_)) {
+        const bool rejected = verdict == ImuInput::Verdict::rejected;
+        log_->event(text("IMU sample ", port.sample, " (imu.time = ", port.time, " s) ",
+                         rejected ? "rejected: " : "is suspect: ", reason(finding),
+                         and_others(told_samples_.omitted())));
+    }
+    if (verdict != ImuInput::Verdict::rejected && imu_.gap() > 0) {
+        log_->event(text(imu_.gap(), " IMU sample(s) missed before imu.time = ", port.time, " s; bridged"));
+    }
 }
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::warn_of_long_interval() {
-    const double interval = imu_.increment().dt / (imu_.gap() + 1);
-    if (told_long_interval_ || interval <= kLongestGoodInterval + kTimeTolerance) {
+    const double interval = imu_.increment().dt;
+    if (told_long_interval_ || imu_.gap() > 0 || interval <= kLongestGoodInterval + kTimeTolerance) {
         return;
     }
     told_long_interval_ = true;
@@ -215,28 +322,55 @@ void InertialFilter<Interface, Engines...>::fault(const char* reason) {
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish() {
-    outputs.rejected_samples = imu_.rejected();
-    outputs.missed_samples = imu_.missed();
     if (!status_.faulted()) {
-        std::visit([this](const auto& engine) { publish_estimate(outputs, engine, imu_.time(), parameters); },
+        std::visit([this](const auto& engine) { publish_estimate(outputs, engine, imu_.stamp(), parameters); },
                    engine_);
     }
+    publish_health();
+}
+
+// What the clock alone can change.
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::publish_health() {
+    outputs.rejected_samples = imu_.rejected();
+    outputs.missed_samples = imu_.missed();
+    outputs.imu.silent_for = imu_.silent_for();
+    outputs.clock_disagreements = imu_.disagreements() + gnss_.disagreements();
+    outputs.nis_mean = nis_window_.mean(imu_.time());
+    auto& gnss = outputs.aid.gnss;
+    gnss.nis_mean = outputs.nis_mean;
+    gnss.used = outputs.used_fixes;
+    gnss.rejected = outputs.rejected_fixes;
+    gnss.silent_for = status_.since_fix(clock_);
     publish_status();
+}
+
+// Whether the innovations of late agree with their covariance.
+template <class Interface, class... Engines>
+bool InertialFilter<Interface, Engines...>::consistent() const {
+    const int contradictions =
+        std::visit([](const auto& engine) { return engine.corrector.contradictions(); }, engine_);
+    const double limit = parameters.consistency.limit;
+    return contradictions < kContradictions && nis_window_.deviate(imu_.time()) <= limit &&
+           ledger_.deviate(imu_.time() - opened_, parameters.prior.gyro_bias_sigma,
+                           parameters.process.angle_random_walk) <= limit;
 }
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish_status() {
-    const double now = imu_.time();
     const bool coarse = std::visit([](const auto& engine) { return engine.is_coarse(); }, engine_);
-    outputs.nis_mean = nis_window_.mean(now);
-    const auto state = status_.judge(now,
+    const double delay = parameters.coasting.delay;
+    const auto state = status_.judge(clock_,
                                      {.sensing = imu_.any(),
+                                      .silent = imu_.silent_for() > imu_.patience(),
+                                      .suspect = clock_ - imu_.suspected() < delay,
                                       .coarse = coarse,
-                                      .consistent = nis_window_.deviate(now) <= parameters.consistency.limit,
+                                      .recovering = recovery_.under_way(clock_),
+                                      .consistent = consistent(),
                                       .heading_sigma = outputs.heading_sigma},
                                      {.heading_sigma = parameters.convergence.heading_sigma,
                                       .hold_time = parameters.convergence.hold_time,
-                                      .coasting_delay = parameters.coasting.delay});
+                                      .coasting_delay = delay});
     using State = FilterStatus::State;
     using Status = typename Interface::Status;
     constexpr auto same = [](Status status, State internal) {
@@ -245,7 +379,8 @@ void InertialFilter<Interface, Engines...>::publish_status() {
     static_assert(same(Status::waiting, State::waiting) && same(Status::aligning, State::aligning) &&
                   same(Status::converged, State::converged) && same(Status::coasting, State::coasting) &&
                   same(Status::faulted, State::faulted) && same(Status::coarse, State::coarse) &&
-                  same(Status::inconsistent, State::inconsistent));
+                  same(Status::inconsistent, State::inconsistent) && same(Status::silent, State::silent) &&
+                  same(Status::suspect, State::suspect) && same(Status::recovering, State::recovering));
     const auto was = static_cast<State>(outputs.status);
     outputs.status = static_cast<Status>(state);
     outputs.converged = state == State::converged;
@@ -253,11 +388,17 @@ void InertialFilter<Interface, Engines...>::publish_status() {
         return;
     }
     if (state == State::inconsistent) {
-        log_->event(text("innovations contradict their covariance at ", now, " s: nis_mean is ",
-                         outputs.nis_mean, " (consistency.limit)"));
+        log_->event(text("innovations contradict their covariance at ", rounded(clock_), " s: nis_mean is ",
+                         rounded(outputs.nis_mean), ", must be about 1 (consistency.limit), ", kContradictions,
+                         " fixes in a row were beyond gate.threshold, or the attitude was corrected by more than "
+                         "the sigmas it set out with"));
+    }
+    if (state == State::silent) {
+        log_->event(text("no usable IMU sample since ", rounded(clock_ - imu_.silent_for()),
+                         " s by the master's clock: the estimate stands still"));
     }
     if (outputs.converged || was == State::converged) {
-        log_->event(text(outputs.converged ? "converged" : "no longer converged", " at ", now, " s"));
+        log_->event(text(outputs.converged ? "converged" : "no longer converged", " at ", rounded(clock_), " s"));
     }
 }
 

@@ -119,7 +119,7 @@ struct Adapter<Invariant<coloured>> : PositionFix {
 
 extern template class Estimator<Invariant<false>>;
 extern template class Estimator<Invariant<true>>;
-// Not that of Invariant<false>: it is the corrector of Loose, in whose file it is compiled.
+extern template class Corrector<Invariant<false>::kStates, Invariant<false>::kMeasurements>;  // that of Loose
 extern template class Corrector<Invariant<true>::kStates, Invariant<true>::kMeasurements>;
 
 }  // namespace truenorth

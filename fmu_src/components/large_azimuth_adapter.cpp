@@ -2,6 +2,8 @@
 
 namespace truenorth {
 
+template class Engine<LargeAzimuth>;
+template class NavigationEngine<LargeAzimuth>;
 template class Estimator<LargeAzimuth>;
 template class Corrector<LargeAzimuth::kStates, LargeAzimuth::kMeasurements>;
 

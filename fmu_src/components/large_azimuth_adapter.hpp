@@ -2,6 +2,7 @@
 #pragma once
 
 #include "components/adapter.hpp"
+#include "components/navigation_engine.hpp"
 #include "error_models/large_azimuth.hpp"
 
 namespace truenorth {
@@ -52,6 +53,8 @@ struct Adapter<LargeAzimuth> {
     }
 };
 
+extern template class Engine<LargeAzimuth>;
+extern template class NavigationEngine<LargeAzimuth>;
 extern template class Estimator<LargeAzimuth>;
 extern template class Corrector<LargeAzimuth::kStates, LargeAzimuth::kMeasurements>;
 

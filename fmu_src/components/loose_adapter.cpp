@@ -2,6 +2,8 @@
 
 namespace truenorth {
 
+template class Engine<Loose>;
+template class NavigationEngine<Loose>;
 template class Estimator<Loose>;
 template class Corrector<Loose::kStates, Loose::kMeasurements>;
 

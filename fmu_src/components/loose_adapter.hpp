@@ -2,6 +2,7 @@
 #pragma once
 
 #include "components/position_fix.hpp"
+#include "components/navigation_engine.hpp"
 #include "error_models/loose.hpp"
 
 namespace truenorth {
@@ -42,6 +43,8 @@ struct Adapter<Loose> : PositionFix {
     }
 };
 
+extern template class Engine<Loose>;
+extern template class NavigationEngine<Loose>;
 extern template class Estimator<Loose>;
 extern template class Corrector<Loose::kStates, Loose::kMeasurements>;
 

@@ -21,83 +21,42 @@ class NavigationEngine : public Engine<M> {
 
     bool feedback = true;
 
-    void start(const Start& start) {
-        this->set_out(start);
-        average_ = IntervalAverage{};
-        estimator.state.setZero();
-    }
+    void start(const Start& start);
 
     // Carries the mechanisation over an increment.
-    Prediction mechanise(const ImuIncrement& increment) {
-        const NavigationState before = mechanisation_.state;
-        mechanisation_.advance(this->compensated(increment));
-        average_.add(before, mechanisation_, increment.dt);
-        return Prediction::sound;
-    }
+    Prediction mechanise(const ImuIncrement& increment);
 
     // Time since the estimate was last carried forward [s].
     [[nodiscard]] double pending() const { return average_.duration(); }
 
     // Carries the estimate to the present; pending() must be positive.
-    Prediction predict() {
-        const typename M::Interval interval(average_, mechanisation_.state.position, estimator.state);
-        average_ = IntervalAverage{};
-        return estimator.predict(interval);
-    }
+    Prediction predict();
 
     // A fix that is late is compared with the estimate as it was at its time.
-    [[nodiscard]] auto innovate(const Sighting& seen, const typename M::Fix& fix) const {
-        if (seen.since.duration() <= kTimeTolerance) {
-            return estimator.innovate(fix);
-        }
-        return innovate_delayed(estimator.model, estimator.state, estimator.covariance, fix,
-                                typename M::Interval(seen.since, seen.then.position, estimator.state));
-    }
+    [[nodiscard]] Innovation<Base::kStates, Base::kMeasurements> innovate(const Sighting& seen,
+                                                                          const typename M::Fix& fix) const;
 
     // Corrects the estimate and feeds it back. The correction must have been used.
-    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction) {
-        estimator.apply(correction);
-        if (!estimator.state.allFinite() || !estimator.covariance.allFinite()) {
-            return {.finite = false};
-        }
-        this->found_ = components(estimator.state, Where::attitude);
-        const NavigationState before = mechanisation_.state;
-        if (feedback) {
-            mechanisation_.state = M::corrected(mechanisation_.state, estimator.state);
-            this->gyro_bias_ += components(estimator.state, Where::gyro);
-            this->accelerometer_bias_ += components(estimator.state, Where::accelerometer);
-            estimator.reset();
-        } else if constexpr (requires { M::damp(mechanisation_.state, estimator.state); }) {
-            M::damp(mechanisation_.state, estimator.state);
-        }
-        return Change::between(before, mechanisation_.state);
-    }
+    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction);
 
     // Moves the mechanisation in what the model has no states for: velocity [m/s] and position [m], ENU.
-    void move(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement) {
-        mechanisation_.state.velocity += velocity;
-        mechanisation_.state.position = earth::displaced(mechanisation_.state.position, displacement);
-    }
+    void move(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement);
+
+    // Starts again: attitude turned, velocity and position moved, with the prior and these sigmas of the
+    // attitude, east, north, up [rad].
+    void start_again(const Change& change, const Eigen::Vector3d& attitude_sigma);
 
     // The navigation state, corrected by the estimate.
-    [[nodiscard]] NavigationState best() const { return M::corrected(mechanisation_.state, estimator.state); }
+    [[nodiscard]] NavigationState best() const;
 
     // Of the errors that `best` has left. With feedback there is nothing to be taken out between two fixes.
-    [[nodiscard]] Matrix<Base::kStates> covariance() const {
-        return feedback ? estimator.covariance : estimator.covariance_of_remaining();
-    }
+    [[nodiscard]] Matrix<Base::kStates> covariance() const;
 
-    [[nodiscard]] Eigen::Vector3d gyro_bias() const {
-        return this->gyro_bias_ + components(estimator.state, Where::gyro);
-    }
-    [[nodiscard]] Eigen::Vector3d accelerometer_bias() const {
-        return this->accelerometer_bias_ + components(estimator.state, Where::accelerometer);
-    }
+    [[nodiscard]] Eigen::Vector3d gyro_bias() const;
+    [[nodiscard]] Eigen::Vector3d accelerometer_bias() const;
 
     // With feedback the misalignment that the last fix found, without the one that is estimated [rad].
-    [[nodiscard]] Eigen::Vector3d misalignment() const {
-        return feedback ? this->found_ : components(estimator.state, Where::attitude);
-    }
+    [[nodiscard]] Eigen::Vector3d misalignment() const;
 
     template <class Archive>
     void serialize(Archive& archive) {
@@ -109,5 +68,95 @@ class NavigationEngine : public Engine<M> {
     using Base::mechanisation_;
     IntervalAverage average_;
 };
+
+template <ErrorModel M>
+void NavigationEngine<M>::start(const Start& start) {
+    this->set_out(start);
+    average_ = IntervalAverage{};
+    estimator.state.setZero();
+}
+
+template <ErrorModel M>
+Prediction NavigationEngine<M>::mechanise(const ImuIncrement& increment) {
+    const NavigationState before = mechanisation_.state;
+    mechanisation_.advance(this->compensated(increment));
+    average_.add(before, mechanisation_, increment.dt);
+    return Prediction::sound;
+}
+
+template <ErrorModel M>
+Prediction NavigationEngine<M>::predict() {
+    const typename M::Interval interval(average_, mechanisation_.state.position, estimator.state);
+    average_ = IntervalAverage{};
+    return estimator.predict(interval);
+}
+
+template <ErrorModel M>
+auto NavigationEngine<M>::innovate(const Sighting& seen, const typename M::Fix& fix) const
+    -> Innovation<Base::kStates, Base::kMeasurements> {
+    if (seen.since.duration() <= kTimeTolerance) {
+        return estimator.innovate(fix);
+    }
+    return innovate_delayed(estimator.model, estimator.state, estimator.covariance, fix,
+                            typename M::Interval(seen.since, seen.then.position, estimator.state));
+}
+
+template <ErrorModel M>
+Change NavigationEngine<M>::apply(const Correction<Base::kStates, Base::kMeasurements>& correction) {
+    estimator.apply(correction);
+    if (!estimator.state.allFinite() || !estimator.covariance.allFinite()) {
+        return {.finite = false};
+    }
+    this->found_ = components(estimator.state, Where::attitude);
+    const NavigationState before = mechanisation_.state;
+    if (feedback) {
+        mechanisation_.state = M::corrected(mechanisation_.state, estimator.state);
+        this->gyro_bias_ += components(estimator.state, Where::gyro);
+        this->accelerometer_bias_ += components(estimator.state, Where::accelerometer);
+        estimator.reset();
+    } else if constexpr (requires { M::damp(mechanisation_.state, estimator.state); }) {
+        M::damp(mechanisation_.state, estimator.state);
+    }
+    return Change::between(before, mechanisation_.state);
+}
+
+template <ErrorModel M>
+void NavigationEngine<M>::move(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement) {
+    mechanisation_.state.velocity += velocity;
+    mechanisation_.state.position = earth::displaced(mechanisation_.state.position, displacement);
+}
+
+template <ErrorModel M>
+void NavigationEngine<M>::start_again(const Change& change, const Eigen::Vector3d& attitude_sigma) {
+    mechanisation_.state = change.of(best());
+    estimator.state.setZero();
+    this->forget_sensors();
+    this->forget(attitude_sigma);
+}
+
+template <ErrorModel M>
+NavigationState NavigationEngine<M>::best() const {
+    return M::corrected(mechanisation_.state, estimator.state);
+}
+
+template <ErrorModel M>
+auto NavigationEngine<M>::covariance() const -> Matrix<Base::kStates> {
+    return feedback ? estimator.covariance : estimator.covariance_of_remaining();
+}
+
+template <ErrorModel M>
+Eigen::Vector3d NavigationEngine<M>::gyro_bias() const {
+    return this->gyro_bias_ + components(estimator.state, Where::gyro);
+}
+
+template <ErrorModel M>
+Eigen::Vector3d NavigationEngine<M>::accelerometer_bias() const {
+    return this->accelerometer_bias_ + components(estimator.state, Where::accelerometer);
+}
+
+template <ErrorModel M>
+Eigen::Vector3d NavigationEngine<M>::misalignment() const {
+    return feedback ? this->found_ : components(estimator.state, Where::attitude);
+}
 
 }  // namespace truenorth

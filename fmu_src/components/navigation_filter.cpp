@@ -45,13 +45,13 @@ void NavigationFilter::set_out_from_inputs() {
              .covariance = initial.covariance});
 }
 
-void NavigationFilter::step(double /*time*/, double /*step*/) {
+void NavigationFilter::step(double time, double step) {
     // What is handed over is valid at the time of the last sample, under a master that passes it on a step
     // late, or else at that of the new one.
     if (!under_way() && inputs.initial.valid && std::abs(inputs.initial.time - now()) <= kTimeTolerance) {
         hand_over();
     }
-    advance();
+    advance(time + step);
     if (!under_way() && inputs.initial.valid) {
         hand_over();
         publish();

@@ -14,39 +14,29 @@ class StateEngine : public Engine<M> {
     using Base::estimator;
     using typename Base::Where;
 
-    void start(const Start& start) {
-        this->set_out(start);
-        estimator.state = start.state;
-    }
+    void start(const Start& start);
 
     // Carries state and covariance over an increment.
-    Prediction mechanise(const ImuIncrement& increment) {
-        const ImuIncrement compensated = this->compensated(increment);
-        const Prediction prediction =
-            estimator.predict({.mechanisation = mechanisation_, .increment = compensated});
-        mechanisation_.advance(compensated);
-        mechanisation_.state = estimator.state;
-        return prediction;
-    }
+    Prediction mechanise(const ImuIncrement& increment);
 
     // Nothing waits: every increment has been predicted.
     [[nodiscard]] static double pending() { return 0.0; }
     [[nodiscard]] static Prediction predict() { return Prediction::sound; }
 
-    [[nodiscard]] auto innovate(const Sighting& /*seen*/, const typename M::Fix& fix) const {
+    [[nodiscard]] Innovation<Base::kStates, Base::kMeasurements> innovate(const Sighting& /*seen*/,
+                                                                          const typename M::Fix& fix) const {
         return estimator.innovate(fix);
     }
 
     // Corrects the state. The correction must have been used.
-    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction) {
-        const NavigationState before = estimator.state;
-        estimator.apply(correction);
+    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction);
+
+    // Starts again: attitude turned, velocity and position moved, with the prior and these sigmas of the
+    // attitude, east, north, up [rad].
+    void start_again(const Change& change, const Eigen::Vector3d& attitude_sigma) {
+        this->forget(attitude_sigma);
+        estimator.state = change.of(estimator.state);
         mechanisation_.state = estimator.state;
-        if (!estimator.state.finite() || !estimator.covariance.allFinite()) {
-            return {.finite = false};
-        }
-        this->found_ = -components(correction.deviation, Where::attitude);
-        return Change::between(before, estimator.state);
     }
 
     [[nodiscard]] const NavigationState& best() const { return estimator.state; }
@@ -62,5 +52,36 @@ class StateEngine : public Engine<M> {
   private:
     using Base::mechanisation_;
 };
+
+template <ErrorModel M>
+    requires std::same_as<typename M::State, NavigationState>
+void StateEngine<M>::start(const Start& start) {
+    this->set_out(start);
+    estimator.state = start.state;
+}
+
+template <ErrorModel M>
+    requires std::same_as<typename M::State, NavigationState>
+Prediction StateEngine<M>::mechanise(const ImuIncrement& increment) {
+    const ImuIncrement compensated = this->compensated(increment);
+    const Prediction prediction =
+        estimator.predict({.mechanisation = mechanisation_, .increment = compensated});
+    mechanisation_.advance(compensated);
+    mechanisation_.state = estimator.state;
+    return prediction;
+}
+
+template <ErrorModel M>
+    requires std::same_as<typename M::State, NavigationState>
+Change StateEngine<M>::apply(const Correction<Base::kStates, Base::kMeasurements>& correction) {
+    const NavigationState before = estimator.state;
+    estimator.apply(correction);
+    mechanisation_.state = estimator.state;
+    if (!estimator.state.finite() || !estimator.covariance.allFinite()) {
+        return {.finite = false};
+    }
+    this->found_ = -components(correction.deviation, Where::attitude);
+    return Change::between(before, estimator.state);
+}
 
 }  // namespace truenorth

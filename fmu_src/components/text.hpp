@@ -3,6 +3,8 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
+#include <cstdint>
 #include <string>
 #include <type_traits>
 
@@ -24,6 +26,14 @@ template <class First, class... Rest>
     requires(sizeof...(Rest) > 0)
 [[nodiscard]] std::string text(First first, Rest... rest) {
     return (text(first) + ... + text(rest));
+}
+
+// A figure as a person reads it: four digits after the point at most.
+[[nodiscard]] inline double rounded(double value) { return std::round(value * 1e4) / 1e4; }
+
+// What is said of events that were not told one by one.
+[[nodiscard]] inline std::string and_others(std::int64_t omitted) {
+    return omitted > 0 ? text(" (and ", omitted, " more before)") : std::string();
 }
 
 }  // namespace truenorth

@@ -2,6 +2,8 @@
 
 namespace truenorth {
 
+template class Engine<Tight>;
+template class NavigationEngine<Tight>;
 template class Estimator<Tight>;
 template class Corrector<Tight::kStates, Tight::kMeasurements>;
 

@@ -4,6 +4,7 @@
 #include <cereal/types/array.hpp>
 
 #include "components/adapter.hpp"
+#include "components/navigation_engine.hpp"
 #include "error_models/tight.hpp"
 
 namespace truenorth {
@@ -46,6 +47,18 @@ struct Adapter<Tight> {
         sigma.segment<3>(Tight::kGyroMarkov).setConstant(p.process.gyro_markov_sigma);
         sigma(Tight::kClockBias) = p.prior.clock_bias_sigma;
         sigma(Tight::kClockDrift) = p.prior.clock_drift_sigma;
+    }
+
+    // What makes position and velocity uncertain may lie with the receiver's clock.
+    static void blame(Matrix<Tight::kStates>& P, const Uncertainty& more) {
+        P(Tight::kClockBias, Tight::kClockBias) = more.position.trace();
+        P(Tight::kClockDrift, Tight::kClockDrift) = more.velocity.trace();
+    }
+
+    // How far off the fix is at most: of the ranges [m], of the range rates [m/s].
+    static Discrepancy discrepancy(const Vector<Tight::kMeasurements>& residual) {
+        return {.position = Eigen::Vector3d::Constant(residual.head<Tight::kChannels>().cwiseAbs().maxCoeff()),
+                .velocity = Eigen::Vector3d::Constant(residual.tail<Tight::kChannels>().cwiseAbs().maxCoeff())};
     }
 
     // Channels whose values are not finite or impossible count as absent.
@@ -114,6 +127,8 @@ struct Adapter<Tight> {
     int rejected_ = 0;
 };
 
+extern template class Engine<Tight>;
+extern template class NavigationEngine<Tight>;
 extern template class Estimator<Tight>;
 extern template class Corrector<Tight::kStates, Tight::kMeasurements>;
 

@@ -11,6 +11,15 @@
 
 namespace truenorth {
 
+namespace {
+
+// IMU periods until the first sample that is at least as late as `latency` [s].
+std::uint64_t periods_of(double latency, double rate) {
+    return static_cast<std::uint64_t>(std::ceil(latency * rate - truth_plant::kWhole));
+}
+
+}  // namespace
+
 void TruthPlant::initialise(double start_time) {
     validate(parameters);
     truth_plant::check_together(parameters);
@@ -19,16 +28,21 @@ void TruthPlant::initialise(double start_time) {
         .initialised = true,
         .start_time = start_time,
         .samples = 0,
+        .steps = 0,
+        .sequence = StepSequence(start_time),
         .trajectory = models.trajectory.begin(start_time),
         .gyro = models.gyro.begin(),
         .accelerometer = models.accelerometer.begin(),
         .clock = {.bias = parameters.gnss.clock.bias, .drift = parameters.gnss.clock.drift},
         .channels = {},
         .fixes = {},
+        .imu_fault = {},
+        .before_gnss_fault = {},
     };
     outputs = {};
-    outputs.imu.time = start_time;
-    put_out(antenna(models));
+    outputs.imu.time = models.imu_fault.clock(start_time);
+    state_.before_gnss_fault = antenna(models);
+    put_out(state_.before_gnss_fault);
     put_out_truth(models);
 }
 
@@ -50,56 +64,71 @@ void TruthPlant::step(double time, double step) {
                                     " s: must be a whole number of IMU periods of " + text(1.0 / rate) +
                                     " s (imu.rate = " + text(rate) + ")");
     }
-    // A master may sum up its steps: rounding adds up, and still must not reach the next sample.
-    const double ahead = (time - state_.start_time) * rate - static_cast<double>(state_.samples);
-    const bool continues = std::abs(ahead) <= 0.1;
-    if (!continues) {
-        throw std::invalid_argument("communication step from " + text(time) + " s: the plant is at " +
-                                    text(state_.trajectory.time) + " s");
+    if (!state_.sequence.continues(time, truth_plant::kWhole / rate)) {
+        throw std::invalid_argument("communication step from " + text(time) + " s: must begin at " +
+                                    text(state_.sequence.next()) + " s, where the last one ended");
     }
+    state_.sequence.advance(time, step);
 
-    outputs.imu.delta_angle.setZero();
-    outputs.imu.delta_velocity.setZero();
+    plant::ImuOutput output{.count = ++state_.steps};
     for (auto left = static_cast<std::uint64_t>(periods); left > 0; --left) {
-        sample(models);
+        sample(models, output);
         receive(models);
     }
-    ++outputs.imu.sample;
-    outputs.imu.time = state_.trajectory.time;
+    output.time = state_.trajectory.time;
+    if (const auto put = models.imu_fault.put_out(state_.imu_fault, output)) {
+        put_out(*put);
+    }
     put_out_truth(models);
 }
 
-void TruthPlant::sample(const Models& models) {
+void TruthPlant::sample(const Models& models, plant::ImuOutput& output) {
     ++state_.samples;
     const double time = state_.start_time + static_cast<double>(state_.samples) / parameters.imu.rate;
-    const auto [delta_angle, delta_velocity] = models.trajectory.advance(state_.trajectory, time);
+    const plant::Trajectory::Increments truth = models.trajectory.advance(state_.trajectory, time);
     const double latitude = models.trajectory.position(state_.trajectory).latitude;
     if (std::abs(latitude) > earth::kHighestLatitude) {
         throw std::runtime_error("the motion has come to latitude " + text(latitude) + " rad at " +
                                  text(time) + " s: must stay within " + text(earth::kHighestLatitude) +
                                  " rad, the local-level frame excludes the poles");
     }
-    outputs.imu.delta_angle += models.gyro.measure(state_.gyro, state_.samples, time, delta_angle);
-    outputs.imu.delta_velocity +=
-        models.accelerometer.measure(state_.accelerometer, state_.samples, time, delta_velocity);
+    Eigen::Vector3d delta_angle = models.gyro.measure(state_.gyro, state_.samples, time, truth.delta_angle);
+    Eigen::Vector3d delta_velocity =
+        models.accelerometer.measure(state_.accelerometer, state_.samples, time, truth.delta_velocity);
+    models.imu_fault.distort(state_.imu_fault, time, delta_angle, delta_velocity);
+    output.delta_angle += delta_angle;
+    output.delta_velocity += delta_velocity;
 }
 
 void TruthPlant::receive(const Models& models) {
     if (state_.samples % models.samples_per_fix == 0) {
         const std::uint64_t number = state_.samples / models.samples_per_fix;
         models.clock.advance(state_.clock, number);
-        const plant::Fix truth = antenna(models);
-        if (!models.receiver.lost(truth.time)) {
-            plant::Fix fix = models.receiver.measure(number, truth);
-            fix.channels = models.channel_receiver.measure(number, truth, state_.clock, state_.channels);
-            state_.fixes.push(fix, state_.samples + models.samples_of_latency);
-        } else if (log_->listens()) {
-            log_->event("fix at " + text(truth.time) + " s lost: gnss.outage");
+        const double time = state_.trajectory.time;
+        if (models.receiver.lost(time)) {
+            lose(time, "gnss.outage");
+        } else {
+            const plant::Fix shown = models.gnss_fault.shown(antenna(models));
+            plant::Fix fix = models.receiver.measure(number, shown);
+            fix.channels = models.channel_receiver.measure(number, shown, state_.clock, state_.channels);
+            fix = models.gnss_fault.reported(fix, state_.before_gnss_fault);
+            if (models.gnss_fault.silences(time)) {
+                lose(time, "fault.gnss.kind = silence");
+            } else {
+                const double latency = parameters.gnss.latency + models.gnss_fault.latency(time);
+                state_.fixes.push(fix, state_.samples + periods_of(latency, parameters.imu.rate));
+            }
         }
     }
     while (state_.fixes.due(state_.samples)) {
         put_out(state_.fixes.pop());
         ++outputs.gnss.sample;
+    }
+}
+
+void TruthPlant::lose(double time, const char* cause) {
+    if (log_->listens()) {
+        log_->event("fix at " + text(time) + " s lost: " + cause);
     }
 }
 
@@ -110,6 +139,15 @@ plant::Fix TruthPlant::antenna(const Models& models) const {
         .time = state_.trajectory.time,
         .position = displaced(imu, kinematics, parameters.gnss.lever_arm),
         .velocity = velocity_at(imu, kinematics, parameters.gnss.lever_arm),
+    };
+}
+
+void TruthPlant::put_out(const plant::ImuOutput& output) {
+    outputs.imu = {
+        .sample = static_cast<int>(output.count),  // a counter of 32 bits wraps
+        .time = output.time,
+        .delta_angle = output.delta_angle,
+        .delta_velocity = output.delta_velocity,
     };
 }
 
@@ -138,6 +176,7 @@ void TruthPlant::put_out_truth(const Models& models) {
     const earth::Position position = models.trajectory.position(trajectory);
     const double since_fix =
         static_cast<double>(state_.samples % models.samples_per_fix) / parameters.imu.rate;
+    const plant::ImuFault::Axes fault = models.imu_fault.bias(trajectory.time);
     outputs.truth = {
         .roll = attitude.roll,
         .pitch = attitude.pitch,
@@ -146,8 +185,9 @@ void TruthPlant::put_out_truth(const Models& models) {
         .longitude = position.longitude,
         .height = position.height,
         .velocity = trajectory.kinematics.velocity,
-        .gyro_bias = models.gyro.slow_error(state_.gyro, trajectory.time),
-        .accelerometer_bias = models.accelerometer.slow_error(state_.accelerometer, trajectory.time),
+        .gyro_bias = models.gyro.slow_error(state_.gyro, trajectory.time) + fault.head<3>().matrix(),
+        .accelerometer_bias =
+            models.accelerometer.slow_error(state_.accelerometer, trajectory.time) + fault.tail<3>().matrix(),
         .clock_bias = state_.clock.bias + since_fix * state_.clock.drift,
         .clock_drift = state_.clock.drift,
     };

@@ -8,10 +8,12 @@
 #include "TruthPlant/variables.hpp"
 #include "components/log.hpp"
 #include "components/serialisation.hpp"
+#include "components/step_sequence.hpp"
 #include "components/truth_plant_models.hpp"
 #include "plant/channel_allocation.hpp"
 #include "plant/fix.hpp"
 #include "plant/fix_queue.hpp"
+#include "plant/imu_fault.hpp"
 #include "plant/inertial_sensor.hpp"
 #include "plant/receiver_clock.hpp"
 #include "plant/trajectory.hpp"
@@ -59,26 +61,32 @@ class TruthPlant {
         bool initialised = false;
         double start_time = 0.0;    // [s]
         std::uint64_t samples = 0;  // IMU samples since then
+        std::int64_t steps = 0;     // likewise
+        StepSequence sequence;
         plant::Trajectory::State trajectory;
         plant::InertialSensor::State gyro;
         plant::InertialSensor::State accelerometer;
         plant::ReceiverClock::State clock;  // at the last fix, lost ones included
         plant::ChannelAllocation channels;
         plant::FixQueue fixes;
+        plant::ImuFault::State imu_fault;
+        plant::Fix before_gnss_fault;
 
         template <class Archive>
         void serialize(Archive& archive) {
-            archive(initialised, start_time, samples, trajectory, gyro, accelerometer, clock, channels,
-                    fixes);
+            archive(initialised, start_time, samples, steps, sequence, trajectory, gyro, accelerometer, clock,
+                    channels, fixes, imu_fault, before_gnss_fault);
         }
     };
 
-    // One IMU period: the motion, and what the IMU makes of it.
-    void sample(const Models& models);
+    // One IMU period: the motion, and what the IMU makes of it, added to the increments of `output`.
+    void sample(const Models& models, plant::ImuOutput& output);
     // The fix that becomes valid at this IMU sample, and the fixes that appear at it.
     void receive(const Models& models);
+    void lose(double time, const char* cause);
     // The antenna's true state, as the receiver would see it without errors and channels.
     [[nodiscard]] plant::Fix antenna(const Models& models) const;
+    void put_out(const plant::ImuOutput& output);
     void put_out(const plant::Fix& fix);
     void put_out_truth(const Models& models);
 

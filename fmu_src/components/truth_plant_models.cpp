@@ -163,6 +163,74 @@ plant::ChannelReceiver receiver_of_channels(const Parameters& parameters) {
     };
 }
 
+plant::ImuFault::Kind kind(ImuFaultKind declared) {
+    using Kind = plant::ImuFault::Kind;
+    switch (declared) {
+        case ImuFaultKind::none:
+            return Kind::none;
+        case ImuFaultKind::silence:
+            return Kind::silence;
+        case ImuFaultKind::not_a_number:
+            return Kind::not_a_number;
+        case ImuFaultKind::spike:
+            return Kind::spike;
+        case ImuFaultKind::stuck:
+            return Kind::stuck;
+        case ImuFaultKind::zeros:
+            return Kind::zeros;
+        case ImuFaultKind::bias_step:
+            return Kind::bias_step;
+        case ImuFaultKind::scale_step:
+            return Kind::scale_step;
+        case ImuFaultKind::count_jump:
+            return Kind::count_jump;
+        case ImuFaultKind::clock_step:
+            return Kind::clock_step;
+        case ImuFaultKind::clock_drift:
+            return Kind::clock_drift;
+        case ImuFaultKind::repeated:
+            return Kind::repeated;
+        case ImuFaultKind::reordered:
+            return Kind::reordered;
+    }
+    throw std::logic_error("a fault of the IMU that validate() does not know");
+}
+
+plant::GnssFault::Kind kind(GnssFaultKind declared) {
+    using Kind = plant::GnssFault::Kind;
+    switch (declared) {
+        case GnssFaultKind::none:
+            return Kind::none;
+        case GnssFaultKind::silence:
+            return Kind::silence;
+        case GnssFaultKind::frozen:
+            return Kind::frozen;
+        case GnssFaultKind::position_jump:
+            return Kind::position_jump;
+        case GnssFaultKind::drift:
+            return Kind::drift;
+        case GnssFaultKind::velocity_sign:
+            return Kind::velocity_sign;
+        case GnssFaultKind::time_offset:
+            return Kind::time_offset;
+        case GnssFaultKind::latency:
+            return Kind::latency;
+    }
+    throw std::logic_error("a fault of the receiver that validate() does not know");
+}
+
+// Of any sensor: kind, begin, duration, size, axis.
+template <class Fault, class Group>
+Fault::Settings settings(const Group& group) {
+    return {
+        .kind = kind(group.kind),
+        .begin = group.begin,
+        .duration = group.duration,
+        .size = group.size,
+        .axis = group.axis,
+    };
+}
+
 plant::NoiseStream stream(const Parameters& parameters, plant::NoiseSource source) {
     return {static_cast<std::uint32_t>(parameters.seed), source};
 }
@@ -194,8 +262,8 @@ Models::Models(const Parameters& parameters)
       channel_receiver(receiver_of_channels(parameters)),
       clock({.bias = parameters.gnss.clock.bias_noise, .drift = parameters.gnss.clock.drift_noise},
             1.0 / parameters.gnss.rate, stream(parameters, plant::NoiseSource::gnss_clock)),
-      samples_per_fix(static_cast<std::uint64_t>(std::llround(parameters.imu.rate / parameters.gnss.rate))),
-      samples_of_latency(
-          static_cast<std::uint64_t>(std::ceil(parameters.gnss.latency * parameters.imu.rate - kWhole))) {}
+      imu_fault(settings<plant::ImuFault>(parameters.fault.imu), 1.0 / parameters.imu.rate),
+      gnss_fault(settings<plant::GnssFault>(parameters.fault.gnss), 1.0 / parameters.imu.rate),
+      samples_per_fix(static_cast<std::uint64_t>(std::llround(parameters.imu.rate / parameters.gnss.rate))) {}
 
 }  // namespace truenorth::truth_plant

@@ -1,11 +1,13 @@
-// What the plant is made of, as its parameters say: motion, sensors, receiver, clock.
+// What the plant is made of, as its parameters say: motion, sensors, receiver, clock, faults.
 #pragma once
 
 #include <cstdint>
 
 #include "TruthPlant/variables.hpp"
 #include "plant/channel_receiver.hpp"
+#include "plant/gnss_fault.hpp"
 #include "plant/gnss_receiver.hpp"
+#include "plant/imu_fault.hpp"
 #include "plant/inertial_sensor.hpp"
 #include "plant/receiver_clock.hpp"
 #include "plant/trajectory.hpp"
@@ -25,8 +27,9 @@ struct Models {
     plant::GnssReceiver receiver;
     plant::ChannelReceiver channel_receiver;
     plant::ReceiverClock clock;
+    plant::ImuFault imu_fault;
+    plant::GnssFault gnss_fault;
     std::uint64_t samples_per_fix;
-    std::uint64_t samples_of_latency;
 };
 
 }  // namespace truenorth::truth_plant

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string>
 
 #include "components/parameter_rules.hpp"
@@ -82,10 +84,36 @@ void check_flight(const Parameters::Motion& motion) {
     }
 }
 
+bool has_size(ImuFaultKind kind) {
+    using enum ImuFaultKind;
+    return kind == spike || kind == bias_step || kind == scale_step || kind == count_jump ||
+           kind == clock_step || kind == clock_drift;
+}
+
+bool has_size(GnssFaultKind kind) {
+    using enum GnssFaultKind;
+    return kind == position_jump || kind == drift || kind == time_offset || kind == latency;
+}
+
+// A fault of size 0 is none, and a run with it would show nothing.
+template <class Fault>
+void check_size(const std::string& sensor, const Fault& fault) {
+    if (has_size(fault.kind) && fault.size == 0.0) {
+        rules::refuse(sensor + ".size", fault.size, "other than 0 for a " + sensor + ".kind that has a size");
+    }
+}
+
+void check_count_jump(double size) {
+    constexpr double largest = std::numeric_limits<std::int32_t>::max();
+    if (size != std::round(size) || std::abs(size) > largest) {
+        rules::refuse("fault.imu.size", size, "a whole number of 32 bits where fault.imu.kind is count_jump");
+    }
+}
+
 }  // namespace
 
 void check_together(const Parameters& parameters) {
-    const auto& [motion, imu, gnss, seed] = parameters;
+    const auto& [motion, imu, gnss, fault, seed] = parameters;
 
     if (motion.kind == MotionKind::ship) {
         check_period("motion.sway.period", motion.sway.period, motion.sway.amplitude, imu.rate);
@@ -108,6 +136,21 @@ void check_together(const Parameters& parameters) {
     if (gnss.latency > longest) {
         rules::refuse("gnss.latency", gnss.latency,
                       "at most " + with_value(text(most_periods, " periods of gnss.rate"), longest));
+    }
+    if (fault.gnss.kind == GnssFaultKind::latency) {
+        const double more = longest - gnss.latency;
+        if (fault.gnss.size < 0.0 || fault.gnss.size > more) {
+            rules::refuse(
+                "fault.gnss.size", fault.gnss.size,
+                "from 0 to " +
+                    with_value(text(most_periods, " periods of gnss.rate less gnss.latency"), more) +
+                    " where fault.gnss.kind is latency");
+        }
+    }
+    check_size("fault.imu", fault.imu);
+    check_size("fault.gnss", fault.gnss);
+    if (fault.imu.kind == ImuFaultKind::count_jump) {
+        check_count_jump(fault.imu.size);
     }
     for (Eigen::Index i = 0; i < gnss.outage.end.size(); ++i) {
         check_window(element("gnss.outage.begin", i), gnss.outage.begin[i], element("gnss.outage.end", i),

@@ -8,12 +8,14 @@
 // eq. 17 prints P_k, the posterior of eq. 14, for the predicted P_k^-. An outlier of the measurement is
 // thereby taken at its word: against outliers this corrector is the wrong one.
 //
-// alpha has a floor, which Li does not print: no state's sigma is made larger than `widest`. Every gross
-// error would otherwise divide again what no measurement sees (a heading at rest), until nothing is left of
-// P- / alpha - K S K^T but rounding.
+// What Li does not print: alpha has a floor, and of the posterior no state's sigma is left larger than `widest`,
+// by scaling it with its correlations. Every large innovation would otherwise divide again what no measurement
+// sees, a heading at rest or the bias of a sensor, until nothing is left of P- / alpha - K S K^T but rounding,
+// or the next measurement moves it anywhere.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "estimation/gaussian.hpp"
@@ -36,28 +38,34 @@ class AdaptiveFactor {
 
     template <int M>
     [[nodiscard]] Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
-        const double factor = alpha(prior, innovation);
+        const double factor = alpha(innovation);
         Innovation<N, M> used = innovation;
         used.spread /= factor;
         used.cross /= factor;
         Correction<N, M> correction = Standard().correct(Matrix<N>(prior / factor), used);
         correction.alpha = factor;
+        if (factor < 1.0) {
+            narrow(correction.covariance);
+        }
         return correction;
     }
 
     // At most 1; 1: the innovation is what its covariance explains.
     template <int M>
-    [[nodiscard]] double alpha(const Matrix<N>& prior, const Innovation<N, M>& innovation) const {
-        return std::min(std::max(explained(innovation), smallest(prior)), 1.0);
-    }
-
-    // By which no sigma of the prior grows beyond the widest; more than 1 if one of them is beyond it
-    // already.
-    [[nodiscard]] double smallest(const Matrix<N>& prior) const {
-        return prior.diagonal().cwiseQuotient(widest.cwiseAbs2()).maxCoeff();
+    [[nodiscard]] double alpha(const Innovation<N, M>& innovation) const {
+        return std::max(explained(innovation), kSmallest);
     }
 
   private:
+    // Leaves ten digits of a prediction that is divided by it.
+    static constexpr double kSmallest = 1e-6;
+
+    void narrow(Matrix<N>& covariance) const {
+        const Vector<N> sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+        const Vector<N> scale = (sigma.array() > widest.array()).select(widest.cwiseQuotient(sigma), 1.0);
+        covariance = (scale.asDiagonal() * covariance * scale.asDiagonal()).eval();
+    }
+
     // The share of the innovation that its covariance explains; 1 where the test does not fire.
     template <int M>
     [[nodiscard]] double explained(const Innovation<N, M>& innovation) const {

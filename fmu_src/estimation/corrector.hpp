@@ -25,6 +25,8 @@ class Corrector {
     Method method = Method::standard;
     InnovationGate gate;
 
+    bool gate_stands_open = false;  // for the next measurement, whatever its innovation
+
     // Guard against lock-out: a prediction that has gone astray makes the gate refuse every good measurement,
     // for ever. After `patience` of them in a row it is time to blame the prediction; 0: never.
     int patience = 20;
@@ -40,31 +42,63 @@ class Corrector {
     // The gate has refused as many measurements in a row as it may.
     [[nodiscard]] bool out_of_patience() const { return patience > 0 && refused_ >= patience; }
 
+    // So many measurements in a row were larger than their covariance explains, refused or not: a noise that
+    // is estimated counts as it was estimated, weights do not.
+    [[nodiscard]] int contradictions() const { return contradictions_; }
+
     // Forgets what has been learned.
     void restart() {
         refused_ = 0;
+        contradictions_ = 0;
         igg.restart();
         variational_bayes.restart();
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(refused_, igg, variational_bayes);
+        archive(refused_, contradictions_, igg, variational_bayes);
     }
 
   private:
-    int refused_ = 0;  // in a row, counted up to patience
+    static constexpr int kMostContradictions = 1000;
+
+    Correction<N, M> corrected(const Matrix<N>& prior, const Innovation<N, M>& innovation);
+
+    int refused_ = 0;         // in a row, counted up to patience
+    int contradictions_ = 0;  // in a row, counted up to kMostContradictions
 };
 
 // Not in the class, so that the correctors of a model can be compiled once, in a file of their own.
 template <int N, int M>
 Correction<N, M> Corrector<N, M>::correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
-    const bool silent = innovation.channels() == 0;
-    if (silent || !gate.admits(innovation)) {
-        refused_ = silent ? refused_ : std::min(refused_ + 1, patience);
-        return {Vector<N>::Zero(), prior, Vector<M>::Zero(), innovation.noise};
+    const int channels = innovation.channels();
+    Correction<N, M> none{Vector<N>::Zero(), prior, Vector<M>::Zero(), innovation.noise};
+    if (channels == 0) {
+        return none;
     }
-    refused_ = 0;
+    const double nis = truenorth::nis(innovation);
+    bool explained = gate.explains(nis, channels);
+    const bool admitted = explained || !gate.enabled || gate_stands_open;
+    refused_ = admitted ? 0 : std::min(refused_ + 1, patience);
+    Correction<N, M> correction = admitted ? corrected(prior, innovation) : none;
+    correction.nis = nis;
+    if (method == Method::standard || method == Method::h_infinity || !admitted) {
+        correction.nis_used = nis;
+        correction.channels_used = channels;
+    } else {
+        const Innovation<N, M> used = as_used(innovation, correction);
+        correction.nis_used = truenorth::nis(used);
+        correction.channels_used = used.channels();
+    }
+    if (admitted && method == Method::variational_bayes) {
+        explained = gate.explains(correction.nis_used, correction.channels_used);
+    }
+    contradictions_ = explained ? 0 : std::min(contradictions_ + 1, kMostContradictions);
+    return correction;
+}
+
+template <int N, int M>
+Correction<N, M> Corrector<N, M>::corrected(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
     switch (method) {
         case Method::h_infinity:
             return h_infinity.correct(prior, innovation);

@@ -67,6 +67,9 @@ struct Correction {
     double alpha = 1.0;    // the prior covariance was divided by this
     double gamma_effective = std::numeric_limits<double>::infinity();  // of H-infinity, as used
     bool feasible = true;  // false: the gamma asked for was infeasible and the update backed off
+    double nis = 0.0;      // of the innovation as it was predicted
+    double nis_used = 0.0;  // and as the correction used it: with its R and its alpha, of so many channels
+    int channels_used = 0;
 
     [[nodiscard]] bool used() const { return (weight.array() > 0.0).any(); }
 };

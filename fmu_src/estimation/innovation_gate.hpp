@@ -22,8 +22,11 @@ struct InnovationGate {
 
     template <int N, int M>
     [[nodiscard]] bool admits(const Innovation<N, M>& innovation) const {
-        return !enabled || nis(innovation) <= threshold_for(innovation.channels());
+        return !enabled || explains(nis(innovation), innovation.channels());
     }
+
+    // A covariance explains an innovation of this NIS.
+    [[nodiscard]] bool explains(double nis, int channels) const { return nis <= threshold_for(channels); }
 
     // The threshold of the same confidence for any number of channels.
     [[nodiscard]] double threshold_for(int channels) const {

@@ -14,6 +14,9 @@
 // covariance of the prior; this is the form `printed`, which lets the new R act in the epoch that it comes
 // from (eq. 18 has that of the epoch before).
 //
+// No estimate is believed that is more than `limit` times off the nominal sigma: beyond it innovations are
+// large for another reason, such as a prediction that has gone astray, and shall show.
+//
 // A channel starts with the nominal R of its first epoch, as sure as kConfidence says; correlations of the
 // nominal R are left out. A channel that is absent learns nothing, and nothing is forgotten of it. The
 // corrector is the standard one, with R as given, for 0 iterations.
@@ -34,6 +37,7 @@ class VariationalBayes {
     static constexpr double kConfidence = 1.0;  // a of a channel that starts, as in Jing 2023, eq. 19
 
     double rho = 0.95;
+    double limit = 10.0;  // of the form `corrected`
     int iterations = 3;
     Form form = Form::corrected;
 
@@ -56,6 +60,9 @@ class VariationalBayes {
         for (int i = 0; i < (printed ? 1 : iterations); ++i) {
             used.noise = present.select(b / a, nominal).matrix().asDiagonal();
             b = b_prior + 0.5 * (printed ? square_of_prior(used) : square_of_posterior(used));
+            if (!printed) {
+                b = b.max(a * nominal / (limit * limit)).min(a * nominal * (limit * limit));
+            }
         }
         a_ = present.select(a, a_);
         b_ = present.select(b, b_);

@@ -40,6 +40,7 @@ class Campaign:
     folder: Path
     master: Master
     versions: Mapping[str, str]
+    fmus: Fmus
 
     @classmethod
     def of(cls, plan: Plan, folder: Path, master: Master = Master.auto, fmus: Fmus | None = None) -> Campaign:
@@ -49,7 +50,7 @@ class Campaign:
         bench = Bench(plan.period, master, fmus)
         for case in made:
             bench.uses_container(case.scenario)
-        return cls(plan, made, folder, master, execution.fmu_versions(fmus, made))
+        return cls(plan, made, folder, master, execution.fmu_versions(fmus, made), fmus)
 
     def run(
         self,
@@ -68,8 +69,8 @@ class Campaign:
             try:
                 with execution.workers(workers, scheduler, insecure) as working:
                     if not there:
-                        bounds = execution.bounds(working, self.cases)
-                        store.create(self.folder, self.plan, self.cases, identity, bounds)
+                        bounds = execution.bounds(working, self.cases, self.fmus)
+                        store.create(self.folder, self.plan, self.cases, identity, bounds, self.fmus.plant)
                     effort = execution.execute(
                         working, self.path, self.plan, self.cases, self.master, dict(self.versions), report
                     )

@@ -26,6 +26,7 @@ from dask.system import CPU_COUNT
 from distributed import Client, Security
 from distributed.scheduler import KilledWorker
 
+from sim_scenarios import simulation
 from sim_scenarios.campaigns import runs, store
 from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
 from sim_scenarios.campaigns.runs import Bench
@@ -236,10 +237,19 @@ def _is_loopback(address: str) -> bool:
         return False
 
 
-def bounds(workers: Workers, made: Sequence[Case]) -> list[xr.Dataset]:
-    """Cramer-Rao bound of every case."""
-    found = dict(workers.results(partial(_bound, made), range(len(made))))
-    return [found[index] for index in range(len(made))]
+def bounds(workers: Workers, made: Sequence[Case], fmus: Fmus) -> list[xr.Dataset]:
+    """Cramer-Rao bound of every case, with the attributes of its runs; it knows nothing of faults."""
+    own = [index for index, case in enumerate(made) if case.unfaulted is None]
+    found = {made[index].label: bound for index, bound in workers.results(partial(_bound, made), own)}
+
+    def of(case: Case) -> xr.Dataset:
+        if case.unfaulted is None:
+            return found[case.label]
+        bound = found[case.unfaulted]
+        result: xr.Dataset = bound.assign_attrs({**bound.attrs, **simulation.attributes(case.scenario, fmus)})
+        return result
+
+    return [of(case) for case in made]
 
 
 def execute(

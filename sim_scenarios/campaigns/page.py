@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 
 MOST_POINTS: Final = 400
 """Points of a curve on the page; the data set has them all."""
+MOST_NUMBERS: Final = 2_000_000
+"""Numbers on the page, for which the curves of a large campaign have fewer points."""
 
 
 def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[str, str]:
@@ -37,8 +39,8 @@ def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[
     with filled(folder) as draft:
         for case in cases:
             pictures.draw(case, draft / names[case.label])
-        by_scenario = table.markdown(table.by_scenario(cases))
-        (draft / "table.md").write_text(by_scenario, encoding="utf-8")
+        tables = [table.markdown(rows) for _, rows in _overviews(cases)]
+        (draft / "table.md").write_text("\n".join(tables), encoding="utf-8")
         (draft / "report.html").write_text(_html(data, cases), encoding="utf-8")
     there = {"report": "report.html", "table": "table.md", "data": store.NAME}
     return {what: str(folder / name) for what, name in there.items()}
@@ -53,8 +55,8 @@ def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
         description=data.attrs["description"],
         runs=data.attrs["runs"],
         seed=data.attrs["seed"],
-        cases=[(case, table.figures(case), table.errors(case)) for case in cases],
-        by_scenario=table.by_scenario(cases),
+        cases=[(case, [table.figures(case), table.certainty(case), table.errors(case)]) for case in cases],
+        overviews=_overviews(cases),
         about={label: {**case, "command": _command(case, data)} for label, case in about.items()},
         content=_script_safe(json.dumps(_content(data, cases), allow_nan=False)),
         plotly=base64.b64encode(gzip.compress(plotly.encode(), mtime=0)).decode("ascii"),
@@ -63,9 +65,19 @@ def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
     )
 
 
+def _overviews(cases: Sequence[CaseSummary]) -> list[tuple[str, table.Rows]]:
+    """Tables of every filter in every case with their titles, those that there is something to say in."""
+    tables = {
+        "Every filter in every scenario": table.by_scenario(cases),
+        "Wrongly sure": table.wrongly_sure(cases),
+        "Time to recover from a fault": table.recoveries(cases),
+    }
+    return [(title, rows) for title, rows in tables.items() if rows]
+
+
 def _command(case: dict[str, Any], data: xr.Dataset) -> str:
     """Command that shows the first run of a case alone."""
-    settings = [f"{name}={_text(value)}" for name, value in case["settings"].items()]
+    settings = [f"{name}={_text(value)}" for name, value in {**case["settings"], **case["drawn"]}.items()]
     words = [part for setting in settings for part in ("--set", setting)]
     return shlex.join(["truenorth", "compare", case["scenario"], "--seed", str(data.attrs["seed"]), *words])
 
@@ -76,17 +88,19 @@ def _text(value: object) -> str:
 
 def _content(data: xr.Dataset, cases: Sequence[CaseSummary]) -> dict[str, Any]:
     """What the script of the page draws from."""
+    curves = sum(3 * (len(ERRORS) + 2) * len(case.filters) for case in cases)
+    points = min(MOST_POINTS, MOST_NUMBERS // max(1, curves))
     return {
         "filters": [str(label) for label in data["filter"].values],
         "quantities": {
             name: {"title": q.title, "unit": table.UNITS[q.unit][0]} for name, q in ERRORS.items()
         },
-        "cases": [_case(case) for case in cases],
+        "cases": [_case(case, points) for case in cases],
     }
 
 
-def _case(case: CaseSummary) -> dict[str, Any]:
-    thin = slice(None, None, max(1, -(-len(case.time) // MOST_POINTS)))
+def _case(case: CaseSummary, points: int) -> dict[str, Any]:
+    thin = slice(None, None, max(1, -(-len(case.time) // points)))
     return {
         "label": case.label,
         "time": _numbers(case.time[thin]),

@@ -11,10 +11,24 @@ A campaign file is a TOML file with a list `scenarios`; a scenario alone is a ca
     [set]                            # as --set of `truenorth run`, for every case
     "gate.enabled" = true
 
+    [draw]                           # for every run from its seed (see `draws`); or log_uniform, choice
+    "motion.speed" = { uniform = [5.0, "20 kn"] }
+
     [grid]                           # every combination of these values is a case
     "gnss.rate" = [1.0, 5.0]
 
-Filters of the campaign's own stand in tables `[filters."name"]` with their parameters.
+    [cases."GNSS falls silent"]      # a case by name, with settings and draws of its own
+    set = { "fault.gnss.kind" = "silence", "fault.gnss.begin" = 300.0 }
+    draw = { "fault.gnss.duration" = { log_uniform = ["1 s", "60 s"] } }
+
+Each scenario is run with each of the named cases, if there are any, and each point of the grid. What the
+command line sets (`--set`, `--grid`) stands in place of what the file sets or draws, in its named cases too.
+
+Filters of the campaign's own stand in tables `[filters."name"]` with their parameters; with an entry
+`scenarios` (a list of names) they are run in these alone, and a scenario without any is left out.
+
+A case with a fault of the plant (`fault.*`) is held against the same scenario without it: that is a case too,
+once for all faults of the scenario, and runs first.
 """
 
 from __future__ import annotations
@@ -23,14 +37,15 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Final
 
 from pydantic import Field, ValidationError
 
-from sim_scenarios import toml
+from sim_scenarios import faults, toml
+from sim_scenarios.campaigns.draws import Distribution, Draw, draw
 from sim_scenarios.campaigns.quantities import FIGURES, SERIES
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
@@ -48,6 +63,13 @@ LARGEST_BATCH: Final = 16
 Filters = tuple[str, ...] | dict[Label, dict[str, Any]] | None
 
 
+class NamedCase(Table):
+    """What a named case sets and draws, beside and in place of what all cases do."""
+
+    set: dict[str, Any] = Field(default={})
+    draw: dict[str, Distribution] = Field(default={})
+
+
 class Plan(Table):
     """A campaign, as its file says it."""
 
@@ -59,8 +81,12 @@ class Plan(Table):
     runs: Annotated[int, Field(ge=1, le=MOST_RUNS)] = 100
     seed: Annotated[int, Field(ge=0)] = 1
     period: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 1.0
+    instants: tuple[Annotated[float, Field(ge=0)], ...] = ()
+    """When the NEES is looked at, beside the end of the evaluation [s]."""
     set: dict[str, Any] = Field(default={})
+    draw: dict[str, Distribution] = Field(default={})
     grid: dict[str, Annotated[list[Any], Field(min_length=1)]] = Field(default={})
+    cases: dict[Label, NamedCase] = Field(default={})
 
     @property
     def batch(self) -> int:
@@ -70,32 +96,57 @@ class Plan(Table):
 
 @dataclass(frozen=True)
 class Case:
-    """A scenario with one combination of the grid, checked against the FMUs.
+    """A scenario with a named case and one combination of the grid, checked against the FMUs.
 
     Attributes
     ----------
     label : str
-        Unique in its campaign: the scenario, and what the grid sets.
+        Unique in its campaign: the scenario, the name of the case, and what the grid sets.
     source : str
         Name or path of the scenario.
     settings : dict of str to object
         Values by name that differ from the scenario file, as for `sim_scenarios.run`.
     scenario : Scenario
         With the filters of the campaign as those that it compares.
+    draws : tuple of Draw
+        What differs from run to run.
+    unfaulted : str or None
+        Label of the same case without the faults of its plant; None of a case that has none.
     """
 
     label: str
     source: str
     settings: dict[str, Any]
     scenario: Scenario
+    draws: tuple[Draw, ...] = ()
+    unfaulted: str | None = None
 
     def filters(self) -> dict[str, dict[str, Number]]:
         """Parameters of each filter, by label."""
-        return self.scenario.filters() or {"filter": dict(self.scenario.filter)}
+        return filters_of(self.scenario)
 
     def with_seed(self, seed: int) -> Scenario:
-        """The scenario of one run."""
-        return self.scenario.model_copy(update={"plant": {**self.scenario.plant, "seed": seed}})
+        """The scenario of one run: its seed, and what is drawn for it."""
+        drawn: dict[str, dict[str, Number]] = {"plant": {"seed": seed}, "filter": {}, "alignment": {}}
+        for one in self.draws:
+            drawn[one.part] |= one.drawn(seed)
+        of_filter = drawn["filter"]
+        update: dict[str, Any] = {"plant": {**self.scenario.plant, **drawn["plant"]}}
+        if of_filter:
+            compare = {label: {**values, **of_filter} for label, values in self.scenario.compare.items()}
+            update |= {"filter": {**self.scenario.filter, **of_filter}, "compare": compare}
+        if self.scenario.alignment is not None:
+            update["alignment"] = {**self.scenario.alignment, **drawn["alignment"]}
+        return self.scenario.model_copy(update=update)
+
+    def drawn(self, seed: int) -> dict[str, Number]:
+        """What is drawn for one run, in SI units under the names that `--set` takes."""
+        return {one.label(scalar): value for one in self.draws for scalar, value in one.drawn(seed).items()}
+
+
+def filters_of(scenario: Scenario) -> dict[str, dict[str, Number]]:
+    """Parameters of each filter of a scenario, by label."""
+    return scenario.filters() or {"filter": dict(scenario.filter)}
 
 
 def load_plan(name: str | Path, **given: Any) -> Plan:
@@ -107,39 +158,40 @@ def load_plan(name: str | Path, **given: Any) -> Plan:
         Shipped campaign or scenario, or path of a TOML file of either.
     given : object
         Entries in place of the file's (`runs`, `seed`, `filters` ...), None for the file's own; `set` and
-        `grid` add to the file's.
+        `grid` add to the file's and win over what it sets or draws; labels in `filters` and `cases` select.
     """
     path = _campaign_path(name)
     table = _of_scenario(name) if path is None else {"name": path.stem, **_read(path)}
     for key, value in given.items():
         if value is not None:
-            table[key] = {**table.get(key, {}), **value} if isinstance(value, Mapping) else value
+            table[key] = _given(table.get(key), value, key)
     try:
         plan = Plan.model_validate(table)
     except ValidationError as error:
         raise InputError("\n".join(_sentence(path or name, e) for e in error.errors())) from None
     if plan.seed + plan.runs - 1 > LARGEST_SEED:
         raise InputError(f"seed = {plan.seed}: the last of {plan.runs} seeds must not exceed {LARGEST_SEED}")
-    return plan
+    return _overridden(plan, {**(given.get("set") or {}), **(given.get("grid") or {})})
 
 
 def cases(plan: Plan, fmus: Fmus) -> list[Case]:
-    """Every scenario with every combination of the grid."""
-    own = plan.filters if isinstance(plan.filters, dict) else None
-    made = []
-    count = len(plan.scenarios) * math.prod(map(len, plan.grid.values()))
+    """Every scenario with every named case and every combination of the grid; before faults, without them."""
+    named = {**plan.cases} if plan.cases else {"": NamedCase()}
+    count = len(plan.scenarios) * len(named) * math.prod(map(len, plan.grid.values()))
     if count > MOST_CASES:
         raise InputError(f"grid: makes {count} cases, must make at most {MOST_CASES}")
+    made: list[Case] = []
     for source in plan.scenarios:
-        for values in product(*plan.grid.values()):
-            point = dict(zip(plan.grid, values, strict=True))
-            settings = {**plan.set, **point}
-            scenario = load_scenario(source, fmus, seed=plan.seed, settings=settings, compare=own)
-            label = " ".join([scenario.name, *(f"{name}={_text(value)}" for name, value in point.items())])
-            _check_period(plan.period, scenario)
-            made.append(Case(label, source, settings, scenario))
+        if _own_filters(plan, source) == {}:
+            continue
+        for label, own in named.items():
+            points = (dict(zip(plan.grid, values, strict=True)) for values in product(*plan.grid.values()))
+            made += [_case(plan, source, label, own, point, fmus) for point in points]
+    if not made:
+        raise InputError("filters: none is for a scenario of the campaign")
     if isinstance(plan.filters, tuple):
         made = _selected(made, plan.filters)
+    made = _held_against_unfaulted(made, fmus)
     labels = [case.label for case in made]
     if twice := {label for label in labels if labels.count(label) > 1}:
         raise InputError(f"scenarios: {', '.join(sorted(twice))} is named more than once")
@@ -155,12 +207,125 @@ def filter_labels(made: Sequence[Case]) -> list[str]:
 def fingerprint(plan: Plan, made: Sequence[Case], versions: Mapping[str, str]) -> str:
     """Hash of all that decides what a campaign computes and keeps."""
     content = {
-        "plan": plan.model_dump(mode="json", exclude={"description", "reference"}),
+        "plan": plan.model_dump(mode="json", exclude={"description", "reference", "instants"}),
         "cases": {case.label: case.scenario.model_dump(mode="json") for case in made},
         "versions": dict(versions),
         "kept": [*SERIES, *FIGURES],
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _given(table: Any, value: Any, key: str) -> Any:
+    """Entry of a campaign with what is given in its place: tables are joined, labels select of a table."""
+    if isinstance(table, Mapping) and isinstance(value, tuple):
+        if unknown := [label for label in value if label not in table]:
+            hint = did_you_mean(unknown[0], table) or f"; there are {', '.join(table)}"
+            raise InputError(f"{key}: there is no '{unknown[0]}'{hint}")
+        return {label: table[label] for label in value}
+    if key == "cases" and table is None:
+        raise InputError(f"cases: the campaign has none by name, and {value[0]} is asked for")
+    return {**table, **value} if isinstance(table, Mapping) and isinstance(value, Mapping) else value
+
+
+def _overridden(plan: Plan, given: Mapping[str, Any]) -> Plan:
+    """Plan in which nothing else sets or draws what is given on the command line."""
+
+    def rest(table: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: value for name, value in table.items() if name not in given}
+
+    named = {label: NamedCase(set=rest(case.set), draw=rest(case.draw)) for label, case in plan.cases.items()}
+    return plan.model_copy(update={"draw": rest(plan.draw), "cases": named})
+
+
+def _case(plan: Plan, source: str, label: str, own: NamedCase, point: Mapping[str, Any], fmus: Fmus) -> Case:
+    below = {name: value for name, value in plan.set.items() if name not in own.draw}
+    settings = {**below, **own.set, **point}
+    drawn = {**{name: given for name, given in plan.draw.items() if name not in own.set}, **own.draw}
+    if clash := [name for name in drawn if name in settings]:
+        raise InputError(f"draw: {clash[0]} is set and drawn{f' in {label}' if label else ''}")
+    compare = _own_filters(plan, source)
+    scenario = load_scenario(source, fmus, seed=plan.seed, settings=settings, compare=compare)
+    _check_period(plan.period, scenario)
+    return Case(
+        " ".join([scenario.name, *([label] if label else []), *_texts(point)]),
+        source,
+        settings,
+        scenario,
+        tuple(draw(name, given, scenario, fmus) for name, given in drawn.items()),
+    )
+
+
+def _texts(point: Mapping[str, Any]) -> list[str]:
+    return [f"{name}={_text(value)}" for name, value in point.items()]
+
+
+def _own_filters(plan: Plan, source: str) -> dict[str, dict[str, Any]] | None:
+    """Filters of the campaign's own for a scenario; None if it compares those of the scenario."""
+    if not isinstance(plan.filters, dict):
+        return None
+    compare, names = {}, [scenario_path(name).stem for name in plan.scenarios]
+    for label, values in plan.filters.items():
+        only = values.get("scenarios", names)
+        if unknown := [name for name in only if name not in names]:
+            hint = did_you_mean(unknown[0], names)
+            raise InputError(f"filters.{label}: the campaign has no scenario {unknown[0]}{hint}")
+        if scenario_path(source).stem in only:
+            compare[label] = {name: value for name, value in values.items() if name != "scenarios"}
+    return compare
+
+
+def _held_against_unfaulted(made: Sequence[Case], fmus: Fmus) -> list[Case]:
+    """The cases, and before them what those with faults are held against.
+
+    Cases that differ in nothing but faults and length are held against one, as long as the longest of them.
+    """
+    groups: dict[str, list[Case]] = {}
+    for case in made:
+        groups.setdefault(_without_faults(case), []).append(case)
+    faults_in = {key: [case for case in group if _has_fault(case, fmus)] for key, group in groups.items()}
+    names = [faulted[0].scenario.name for faulted in faults_in.values() if faulted]
+    added: list[Case] = []
+    clean: dict[str, str] = {}
+    for key, faulted in faults_in.items():
+        if not faulted:
+            continue
+        longest = max(faulted, key=lambda case: case.scenario.duration)
+        labels = [case.label for case in faulted]
+        there = [
+            case.label
+            for case in groups[key]
+            if case.label not in labels and case.scenario.duration >= longest.scenario.duration
+        ]
+        if not there:
+            alone = names.count(longest.scenario.name) == 1
+            added.append(_unfaulted(longest, longest.scenario.name if alone else longest.label))
+            there = [added[-1].label]
+        clean |= dict.fromkeys(labels, there[0])
+    return [*added, *(replace(case, unfaulted=clean.get(case.label)) for case in made)]
+
+
+def _without_faults(case: Case) -> str:
+    """What cases share that differ in nothing but faults and length."""
+    scenario = case.scenario.model_dump(mode="json", exclude={"notes", "duration", "evaluation"})
+    content = {
+        "source": case.source,
+        "scenario": {**scenario, "plant": faults.without(scenario["plant"])},
+        "draws": [repr(one) for one in case.draws if not faults.concerns(one.name)],
+    }
+    return json.dumps(content, sort_keys=True)
+
+
+def _has_fault(case: Case, fmus: Fmus) -> bool:
+    drawn = any(faults.concerns(one.name) and one.name.endswith(".kind") for one in case.draws)
+    return drawn or faults.end(case.scenario.plant, fmus.plant) is not None
+
+
+def _unfaulted(case: Case, of: str) -> Case:
+    """The same case without the faults of its plant."""
+    scenario = case.scenario.model_copy(update={"plant": faults.without(case.scenario.plant)})
+    settings = {name: value for name, value in case.settings.items() if not faults.concerns(name)}
+    draws = tuple(one for one in case.draws if not faults.concerns(one.name))
+    return Case(f"{of} unfaulted", case.source, settings, scenario, draws)
 
 
 def _campaign_path(name: str | Path) -> Path | None:
@@ -203,7 +368,7 @@ def _selected(made: Sequence[Case], labels: Sequence[str]) -> list[Case]:
         if not compare:
             raise InputError(f"filters: {case.label} compares none of {', '.join(labels)}")
         scenario = case.scenario.model_copy(update={"compare": compare})
-        kept.append(Case(case.label, case.source, case.settings, scenario))
+        kept.append(replace(case, scenario=scenario))
     return kept
 
 

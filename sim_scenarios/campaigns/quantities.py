@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from sim_scenarios.attitude import wrap
 from sim_scenarios.fmus import NAVIGATION_FILTER
-from sim_scenarios.metrics import hand_over, judge
+from sim_scenarios.metrics import certainty, hand_over, judge
+from sim_scenarios.metrics.certainty import QUANTITIES
 from sim_scenarios.metrics.statistics import holds_since, is_measured, rms, within
 
 Array = NDArray[np.float64]
@@ -45,10 +46,16 @@ BOUNDED: Final = ("heading", "horizontal")
 SERIES: Final[Mapping[str, tuple[str, str]]] = {
     **{f"{name}_error": (q.unit, q.description) for name, q in ERRORS.items()},
     "heading_sigma": ("rad", "Sigma of the heading that the filter claims"),
+    "velocity_sigma": ("m/s", "Sigma of the velocity that the filter claims, all three components together"),
+    "position_sigma": ("m", "Sigma of the position that the filter claims, all three components together"),
+    **{
+        f"{name}_deviation": ("1", f"Error of the {name} in sigmas of the filter: the largest component")
+        for name in QUANTITIES
+    },
     "nis": ("1", "Normalised innovations squared of the fixes used since the time before, summed"),
     "nis_channels": ("1", "Channels of those fixes: the degrees of freedom of `nis`"),
 }
-"""Unit and description of what is kept over time."""
+"""Unit and description of what is kept over time; sigmas and deviations are NaN where the filter has none."""
 
 FIGURES: Final[Mapping[str, tuple[str, str]]] = {
     **{f"{name}_rmse": (q.unit, f"{q.description}: RMS over the window") for name, q in ERRORS.items()},
@@ -65,6 +72,13 @@ FIGURES: Final[Mapping[str, tuple[str, str]]] = {
         "Size of the heading error in sigmas of the filter when it first reports convergence",
     ),
     "largest_claimed_deviation": ("1", "The largest of it while the filter reports convergence"),
+    "sure_time": ("s", "How long the filter reports convergence"),
+    "wrongly_sure_time": ("s", "How long of it a component of its error is beyond 3 sigma"),
+    "longest_wrongly_sure": ("s", "The longest uninterrupted stretch of that"),
+    **{
+        f"wrongly_sure_{name}_time": ("s", f"How long it reports convergence with its {name} beyond 3 sigma")
+        for name in QUANTITIES
+    },
     "nis_sum": ("1", "Normalised innovations squared of the fixes used in the window, summed"),
     "nis_channels_sum": ("1", "Channels of those fixes"),
     "used_fixes": ("1", "Fixes that corrected the estimate"),
@@ -76,6 +90,7 @@ FIGURES: Final[Mapping[str, tuple[str, str]]] = {
 OUTPUTS: Final = (
     *(f"nav.{name}" for name in ("roll", "pitch", "heading", "latitude", "longitude", "height", "velocity")),
     "heading_sigma",
+    "velocity_sigma",
     "position_sigma",
     "status",
     "converged",
@@ -109,7 +124,9 @@ def kept(run: xr.Dataset, period: float) -> dict[str, Array]:
     errors = {name: np.asarray(values) for name, values in _errors(run).items()}
     stride = round(period / float(run["time"].values[1] - run["time"].values[0]))
     series = {f"{name}_error": values[::stride] for name, values in errors.items()}
-    series["heading_sigma"] = run["heading_sigma"].values[::stride]
+    series |= {f"{name}_sigma": _sigma(run, name)[::stride] for name in QUANTITIES}
+    deviations = certainty.deviations(run)
+    series |= {f"{name}_deviation": values[::stride] for name, values in deviations.items()}
     series["nis"], series["nis_channels"] = _nis(run, period, len(series["heading_sigma"]))
     return {**series, **_figures(run, errors)}
 
@@ -125,6 +142,14 @@ def _errors(run: xr.Dataset) -> dict[str, Array]:
         "horizontal": np.hypot(position[:, 0], position[:, 1]),
         "vertical": position[:, 2],
     }
+
+
+def _sigma(run: xr.Dataset, name: str) -> Array:
+    """Sigma of a quantity over time, shape (rows,): root of the sum of the squares of its components."""
+    if f"{name}_sigma" not in run:
+        return np.full(run.sizes["time"], np.nan)
+    sigma: Array = run[f"{name}_sigma"].values
+    return sigma if sigma.ndim == 1 else np.sqrt(np.sum(sigma**2, axis=1))
 
 
 def _nis(run: xr.Dataset, period: float, rows: int) -> tuple[Array, Array]:
@@ -155,6 +180,10 @@ def _figures(run: xr.Dataset, errors: Mapping[str, Array]) -> dict[str, Array]:
         "claimed_time": _time(holds_since(time, converged)),
         "claimed_deviation": deviation[0] if converged.any() else np.nan,
         "largest_claimed_deviation": deviation.max() if converged.any() else np.nan,
+        "sure_time": verdict.certainty.sure,
+        "wrongly_sure_time": verdict.certainty.wrongly,
+        "longest_wrongly_sure": verdict.certainty.longest,
+        **{f"wrongly_sure_{name}_time": span for name, span in verdict.certainty.wrongly_in.items()},
         "nis_sum": run["nis"].values[fixes].sum(),
         "nis_channels_sum": is_measured(run)[fixes].sum(),
         "used_fixes": verdict.used_fixes,

@@ -9,6 +9,17 @@ and Student's t with N - 1 degrees of freedom gives the interval. Two filters th
 compared run by run: the logarithm of the ratio of their figures has the standard error of the differences of
 their d_k, which is far smaller than either's where they fail and succeed on the same signals.
 
+The share of the time with reported convergence in which filters are wrongly sure is a ratio of sums over
+runs, p = sum(w_k) / sum(c_k). Instants depend on each other within a run, not across runs, so its interval is
+that of Clopper and Pearson for as many independent instants as give the variance that the ratio has over runs
+(Korn and Graubard 1998). Where no run is ever wrong, or all are always, nothing tells how dependent instants
+are: each run counts as one instant, and the interval is wide.
+
+After a fault a filter has recovered from the time on when, until the end, the error of each quantity is
+within three sigmas and sigma within `RECOVERED` times that of the same filter without the fault on the same
+seed. An error beyond three sigmas that, in sigmas, is within `RECOVERED` times that of the filter without
+the fault at that time is due to the noise of the seed, and no want of recovery.
+
 Sums of NIS and of NEES over independent runs are chi-square with the sum of their degrees of freedom
 (Bar-Shalom, Li and Kirubarajan 2001, sec. 5.4).
 """
@@ -23,17 +34,18 @@ from typing import Any, Final
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import betaincinv, chdtri, stdtrit
+from scipy.special import betaincinv, chdtri, ndtri, stdtrit
 
 from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, that_counts
 from sim_scenarios.campaigns.store import State
+from sim_scenarios.metrics.certainty import QUANTITIES, WRONG
 from sim_scenarios.metrics.statistics import CONFIDENCE, chi_square_interval
 
 Array = NDArray[np.float64]
 
 PERCENTILES: Final = (50.0, 90.0)
-WRONG: Final = 3.0
-"""Sigmas of the heading error beyond which a report of convergence was wrong."""
+RECOVERED: Final = 1.5
+"""How much more error and sigma than without its fault a filter may have that has recovered."""
 
 
 @dataclass(frozen=True)
@@ -93,10 +105,25 @@ class Summary:
         Share of the runs that report convergence whose heading error is then beyond `WRONG` sigmas.
     claims : int
         Runs that ever report convergence.
+    sure : float
+        How long a run reports convergence, in the mean [s].
+    wrongly_sure : Estimate
+        Share of that time, of all runs, during which the error of any quantity is beyond `WRONG` sigmas.
+    wrongly_sure_in : dict of str to Estimate
+        The same by quantity; NaN where the filter has no sigma of it.
+    longest_wrongly_sure : float
+        The longest stretch of it in any run [s].
+    recovered : Estimate
+        Share of the runs whose fault ends that have recovered from it; NaN without such a run.
+    recovery : tuple of float
+        Median and 90th percentile of the time from the end of the fault to the recovery [s]; a run that does
+        not recover, or stopped, counts as later than all others, and NaN as never.
     nis : Estimate
         Mean for each channel over the window of all runs; the interval is that of a consistent filter.
     nees : Estimate
         Mean of (heading error / sigma)^2 at the end of the window; interval of a consistent filter.
+    nees_at : dict of float to Estimate
+        The same at the instants that the campaign names [s].
     each : ndarray, shape (finished,)
         RMSE of the error that counts of every finished run, in SI units.
     errors : dict of str to Course
@@ -114,8 +141,15 @@ class Summary:
     hand_over: tuple[float, float]
     wrong_claims: Estimate
     claims: int
+    sure: float
+    wrongly_sure: Estimate
+    wrongly_sure_in: dict[str, Estimate]
+    longest_wrongly_sure: float
+    recovered: Estimate
+    recovery: tuple[float, float]
     nis: Estimate
     nees: Estimate
+    nees_at: dict[float, Estimate]
     each: Array
     errors: dict[str, Course]
     nis_course: Course
@@ -153,9 +187,15 @@ class CaseSummary:
 
 def summarise(data: xr.Dataset) -> Iterator[CaseSummary]:
     """Every case of the results of a campaign (see `store`), one loaded at a time."""
-    reference = json.loads(data.attrs["plan"])["reference"]
-    for s, about in enumerate(json.loads(data.attrs["cases"]).values()):
-        yield _case_summary(data.isel(scenario=s), about["attributes"], reference)
+    plan, about = json.loads(data.attrs["plan"]), json.loads(data.attrs["cases"])
+    for s, case in enumerate(about.values()):
+        unfaulted = case.get("unfaulted")
+        yield _case_summary(
+            data.isel(scenario=s),
+            None if unfaulted is None else data.isel(scenario=list(about).index(unfaulted)),
+            case["attributes"],
+            plan,
+        )
 
 
 def root_mean_square(values: ArrayLike) -> Estimate:
@@ -200,7 +240,60 @@ def nees_course(error: Array, sigma: Array) -> Course:
     return consistency_course(np.where(known, nees, 0.0), known.astype(float))
 
 
-def _case_summary(case: xr.Dataset, attributes: Mapping[str, Any], reference: str | None) -> CaseSummary:
+def time_share(part: ArrayLike, whole: ArrayLike) -> Estimate:
+    """Share of the time of independent runs, from both times of each, with its interval."""
+    w, c = np.asarray(part, dtype=float), np.asarray(whole, dtype=float)
+    w, c = w[c > 0], c[c > 0]
+    runs = len(c)
+    if runs == 0 or np.isnan(w).any():
+        return Estimate(np.nan, np.nan, np.nan)
+    share = float(w.sum() / c.sum())
+    if runs == 1:
+        return Estimate(share, np.nan, np.nan)
+    variance = np.var((w - share * c) / c.mean(), ddof=1) / runs
+    if variance == 0:
+        return _clopper_pearson(share * runs, runs)
+    few = ndtri((1 + CONFIDENCE) / 2) / stdtrit(runs - 1, (1 + CONFIDENCE) / 2)
+    instants = share * (1 - share) / float(variance) * few**2
+    return _clopper_pearson(share * instants, instants)
+
+
+def recovery_times(
+    time: Array, fault_end: Array, faulted: Mapping[str, Array], unfaulted: Mapping[str, Array]
+) -> Array:
+    """Time from the end of the fault of each run until its filter has recovered.
+
+    Parameters
+    ----------
+    time : ndarray, shape (times,)
+        Up to the end of the runs [s].
+    fault_end : ndarray, shape (runs,)
+        [s]; NaN where no fault ends.
+    faulted, unfaulted : mapping of str to ndarray, shape (runs, times)
+        `heading_deviation`, `heading_sigma` and so on of the same filter, with the fault and without.
+
+    Returns
+    -------
+    ndarray, shape (runs,)
+        [s]; infinite where the filter does not recover, NaN where no fault ends in the run.
+    """
+    good = np.ones((len(fault_end), len(time)), dtype=bool)
+    for name in QUANTITIES:
+        (size, sigma), (size_without, sigma_without) = (
+            (run[f"{name}_deviation"], run[f"{name}_sigma"]) for run in (faulted, unfaulted)
+        )
+        as_good = (size <= np.fmax(WRONG, RECOVERED * size_without)) & (sigma <= RECOVERED * sigma_without)
+        good &= as_good | np.isnan(size_without)
+    after = time >= fault_end[:, None]
+    first = np.where(after & ~good, np.arange(1, len(time) + 1), 0).max(axis=1)  # from which all is good
+    recovered = np.where(first > 0, np.append(time, np.inf)[first] - fault_end, 0.0)
+    return np.where(after.any(axis=1), recovered, np.nan)
+
+
+def _case_summary(
+    case: xr.Dataset, unfaulted: xr.Dataset | None, attributes: Mapping[str, Any], plan: Mapping[str, Any]
+) -> CaseSummary:
+    reference, instants = plan["reference"], plan.get("instants", ())
     counting = that_counts(attributes)
     figures = case.drop_dims("time").load()
     counted = figures["state"].isin([State.finished, State.failed]).any("run").values
@@ -209,14 +302,21 @@ def _case_summary(case: xr.Dataset, attributes: Mapping[str, Any], reference: st
     errors = {name: _courses(case, labels, error_course, f"{name}_error") for name in ERRORS}
     nis = _courses(case, labels, consistency_course, "nis", "nis_channels")
     nees = _courses(case, labels, nees_course, "heading_error", "heading_sigma")
-    at_stop = int(np.searchsorted(case["time"].values, attributes["evaluation.stop"] + 1e-6)) - 1
+    recovery = _recoveries(case, unfaulted, labels, attributes["duration"])
+
+    def nees_at(label: str, instant: float) -> Estimate:
+        row = int(np.searchsorted(case["time"].values, instant + 1e-6)) - 1
+        return Estimate(*(float(values[row]) for values in vars(nees[label]).values()))
+
     filters = {}
     for label in labels:
         one, other = figures.sel(filter=label), figures.sel(filter=base)
         filters[label] = Summary(
             **_of_runs(one, counting),
             ratio=_ratio(one, other, counting),
-            nees=Estimate(*(float(values[at_stop]) for values in vars(nees[label]).values())),
+            **_of_recoveries(recovery[label]),
+            nees=nees_at(label, attributes["evaluation.stop"]),
+            nees_at={instant: nees_at(label, instant) for instant in instants},
             errors={name: courses[label] for name, courses in errors.items()},
             nis_course=nis[label],
             nees_course=nees[label],
@@ -243,6 +343,7 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
     times = np.sort(np.append(settled, np.full(stopped, np.inf)))
     deviation = one["claimed_deviation"].values[finished]
     claims = int(np.isfinite(deviation).sum())
+    sure = one["sure_time"].values[finished]
     return {
         "runs": runs,
         "stopped": stopped,
@@ -253,6 +354,12 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
         "hand_over": (float(handed.min()), float(handed.max())) if len(handed) else (np.nan, np.nan),
         "wrong_claims": _share(int((deviation > WRONG).sum()), claims),
         "claims": claims,
+        "sure": float(sure.mean()) if len(sure) else np.nan,
+        "wrongly_sure": time_share(one["wrongly_sure_time"].values[finished], sure),
+        "wrongly_sure_in": {
+            name: time_share(one[f"wrongly_sure_{name}_time"].values[finished], sure) for name in QUANTITIES
+        },
+        "longest_wrongly_sure": float(np.max(one["longest_wrongly_sure"].values[finished], initial=0.0)),
         "nis": _consistency(one["nis_sum"].values[finished], one["nis_channels_sum"].values[finished]),
         "each": each,
     }
@@ -261,6 +368,43 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
 def _ratio(one: xr.Dataset, other: xr.Dataset, counting: str) -> Estimate:
     both = ((one["state"] == State.finished) & (other["state"] == State.finished)).values
     return paired_ratio(*(data[f"{counting}_rmse"].values[both] for data in (one, other)))
+
+
+def _recoveries(
+    case: xr.Dataset, unfaulted: xr.Dataset | None, labels: Sequence[str], duration: float
+) -> dict[str, Array]:
+    """Time to recover of every run of each filter, as `recovery_times` gives it; NaN without a fault.
+
+    A run that stopped has not recovered; one that the filter does not finish without its fault tells nothing.
+    """
+    if unfaulted is None:
+        return {label: np.full(case.sizes["run"], np.nan) for label in labels}
+    rows = case["time"].values <= duration + 1e-6
+    series = [f"{name}_{what}" for name in QUANTITIES for what in ("deviation", "sigma")]
+    loaded = [data[[*series, "state"]].isel(time=rows).load() for data in (case, unfaulted)]
+    end = case["fault_end"].values
+    times = {}
+    for label in labels:
+        one, other = (data.sel(filter=label) for data in loaded)
+        recovered = recovery_times(
+            case["time"].values[rows],
+            end,
+            *({name: data[name].values for name in series} for data in (one, other)),
+        )
+        stopped = (one["state"].values == State.failed) & (end <= duration)
+        recovered = np.where(stopped, np.inf, recovered)
+        known = (one["state"].values != State.missing) & (other["state"].values == State.finished)
+        times[label] = np.where(known, recovered, np.nan)
+    return times
+
+
+def _of_recoveries(times: Array) -> dict[str, Any]:
+    """What the times to recover of the runs of one filter say."""
+    ordered = np.sort(times[~np.isnan(times)])
+    return {
+        "recovered": _share(int(np.isfinite(ordered).sum()), len(ordered)),
+        "recovery": (_order(ordered, 0.5), _order(ordered, 0.9)),
+    }
 
 
 def _courses(
@@ -297,6 +441,11 @@ def _share(events: int, count: int) -> Estimate:
     """Share of events with the interval of Clopper and Pearson, quantiles of beta distributions."""
     if count == 0:
         return Estimate(np.nan, np.nan, np.nan)
+    return _clopper_pearson(events, count)
+
+
+def _clopper_pearson(events: float, count: float) -> Estimate:
+    """Share of events, whose numbers may be effective ones."""
     tail = (1 - CONFIDENCE) / 2
     lower = betaincinv(events, count - events + 1, tail) if events > 0 else 0.0
     upper = betaincinv(events + 1, count - events, 1 - tail) if events < count else 1.0

@@ -5,6 +5,8 @@
     dimension `run`        coordinate `seed`
     dimension `time`       every `period` seconds
 
+What is drawn for a run stands in `drawn.<parameter>` (scenario, run), the end of its faults in `fault_end`.
+
 One chunk holds the runs of one batch, so that workers never write to the same file, and Zarr replaces a file
 as a whole. `state` is written last: a run counts as finished when its state says so, and everything else
 of it is on disk by then. Whoever dies at any moment leaves finished batches and batches to repeat.
@@ -29,12 +31,17 @@ import zarr
 from numcodecs import CRC32, Zstd
 from numpy.typing import NDArray
 
+from sim_scenarios import faults
 from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
 from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, FIGURES, SERIES
 from sim_scenarios.errors import InputError
+from sim_scenarios.fmus import Fmu
 from sim_scenarios.folders import discard, filled, remove
+from sim_scenarios.scenario import Scenario
 
 NAME: Final = "campaign.zarr"
+DRAWN: Final = "drawn."
+"""Beginning of the names of what is drawn for the runs."""
 RUNS: Final = ("scenario", "filter", "run")
 ZARR_3: Final = zarr.__version__[0] >= "3"
 _CODEC: Final = "compressors" if ZARR_3 else "compressor"
@@ -85,10 +92,10 @@ def is_there(folder: Path, identity: str) -> bool:
 
 
 def create(
-    folder: Path, plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[xr.Dataset]
+    folder: Path, plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[xr.Dataset], plant: Fmu
 ) -> None:
     """Data set of a campaign without results; it appears in the folder as a whole or not at all."""
-    template = _template(plan, made, identity, bounds)
+    template = _template(plan, made, identity, bounds, plant)
     encoding: dict[Any, dict[str, Any]] = {name: {_CODEC: CRC32()} for name in template.variables}
     for name in OF_RUNS:
         encoding[name]["filters"] = [Zstd()]  # is read after the checksum, and written before it
@@ -223,7 +230,9 @@ def _group(path: Path, mode: Literal["r", "r+"]) -> Any:
     return zarr.open_group(str(path), mode=mode)
 
 
-def _template(plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[xr.Dataset]) -> xr.Dataset:
+def _template(
+    plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[xr.Dataset], plant: Fmu
+) -> xr.Dataset:
     """The whole data set, with nothing in its runs yet."""
     filters = filter_labels(made)
     steps = max(int(case.scenario.duration / plan.period + 1e-9) for case in made)
@@ -259,13 +268,41 @@ def _template(plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[
         seed=("run", plan.seed + np.arange(plan.runs), {"description": "Seed of the run"}),
         time=("time", time, {"units": "s", "description": "Time since the start"}),
     )
-    data = data.assign(_bounds(bounds, time))
+    data = data.assign({**_bounds(bounds, time), **_drawn(plan, made, plant)})
     data.attrs = _about(plan, made, identity, bounds)
     return data
 
 
 def _attributes(unit: str, description: str) -> dict[str, str]:
     return {"units": unit, "description": description}
+
+
+def _drawn(plan: Plan, made: Sequence[Case], plant: Fmu) -> dict[str, Any]:
+    """What is drawn for each run, and when its faults end; NaN where nothing is drawn, and no fault ends."""
+    shape = len(made), plan.runs
+    values: dict[str, NDArray[np.float64]] = {}
+    units: dict[str, str] = {}
+    ends = np.empty(shape)
+    for c, case in enumerate(made):
+        ends[c] = _fault_end(case.scenario, plant)
+        for one in case.draws:
+            units |= {one.label(scalar): unit for scalar, unit in one.units.items()}
+        for r in range(plan.runs if case.draws else 0):
+            seed = plan.seed + r
+            ends[c, r] = _fault_end(case.with_seed(seed), plant)
+            for name, value in case.drawn(seed).items():
+                values.setdefault(name, np.full(shape, np.nan))[c, r] = value
+    drawn = {
+        f"{DRAWN}{name}": (("scenario", "run"), drawn, _attributes(units[name], f"{name} of the run"))
+        for name, drawn in values.items()
+    }
+    about = _attributes("s", "When the last fault of the plant ends, where there is one that does")
+    return {**drawn, "fault_end": (("scenario", "run"), ends, about)}
+
+
+def _fault_end(scenario: Scenario, plant: Fmu) -> float:
+    end = faults.end(scenario.plant, plant)
+    return np.nan if end is None or np.isinf(end) else end
 
 
 def _bounds(bounds: Sequence[xr.Dataset], time: NDArray[np.float64]) -> dict[str, Any]:
@@ -304,6 +341,8 @@ def _about(plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[xr.
         case.label: {
             "scenario": case.source,
             "settings": case.settings,
+            "drawn": case.drawn(plan.seed),
+            "unfaulted": case.unfaulted,
             "attributes": {key: value for key, value in bound.attrs.items() if key != "messages"},
         }
         for case, bound in zip(made, bounds, strict=True)

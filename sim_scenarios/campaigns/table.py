@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from sim_scenarios.campaigns.quantities import ERRORS
-from sim_scenarios.campaigns.statistics import CaseSummary, Estimate
+from sim_scenarios.campaigns.statistics import CaseSummary, Estimate, Summary
+from sim_scenarios.metrics.certainty import QUANTITIES
 from sim_scenarios.units import ARCMIN
 
 Rows = list[list[str]]
 
 UNITS: Final = {"rad": ("arcmin", ARCMIN), "m/s": ("m/s", 1.0), "m": ("m", 1.0)}
 """Unit in which people read a quantity, and its size."""
+
+PERCENT: Final = 0.01
+HOUR: Final = 3600.0
 
 
 def figures(case: CaseSummary) -> Rows:
@@ -55,6 +59,39 @@ def figures(case: CaseSummary) -> Rows:
     return rows
 
 
+def certainty(case: CaseSummary) -> Rows:
+    """How sure the filters of a case are and whether they are right, the heading of the table first."""
+    all_of_them = case.filters.values()
+    estimated = [name for name in QUANTITIES if any(_known(one.wrongly_sure_in[name]) for one in all_of_them)]
+    recovers = any(_known(one.recovered) for one in all_of_them)
+    instants = dict.fromkeys(instant for one in all_of_them for instant in one.nees_at)
+    rows = [
+        [
+            "filter",
+            "sure\n[s a run]",
+            "wrongly\nsure [%]",
+            *(f"by\n{name} [%]" for name in estimated),
+            "longest\n[s]",
+            *(["recovered\n[%]", "median time to\nrecover [s]"] if recovers else []),
+            *(f"NEES at\n{span(instant)}" for instant in instants),
+        ]
+    ]
+    for label, one in case.filters.items():
+        recovery = [interval(one.recovered / PERCENT), number(one.recovery[0], "never")]
+        rows.append(
+            [
+                label,
+                number(one.sure),
+                interval(one.wrongly_sure / PERCENT),
+                *(interval(one.wrongly_sure_in[name] / PERCENT) for name in estimated),
+                number(one.longest_wrongly_sure),
+                *((recovery if _known(one.recovered) else ["-", "-"]) if recovers else []),
+                *(_consistency(one.nees_at[instant]) for instant in instants),
+            ]
+        )
+    return rows
+
+
 def errors(case: CaseSummary) -> Rows:
     """RMSE of every quantity, the heading of the table first."""
     rows = [["filter", *(f"{q.title.lower()}\n[{UNITS[q.unit][0]}]" for q in ERRORS.values())]]
@@ -66,18 +103,57 @@ def errors(case: CaseSummary) -> Rows:
 
 def by_scenario(cases: Sequence[CaseSummary]) -> Rows:
     """RMSE of the error that counts, and bound: filters in lines, or scenarios if there are more of them."""
-    labels = dict.fromkeys(label for case in cases for label in case.filters)
     units = [unit_of(case) for case in cases]
     titles = [f"{case.label}: {case.counting} [{unit}]" for case, (unit, _) in zip(cases, units, strict=True)]
-    rows = [["RMSE (95 % interval)", *titles]]
-    for label in labels:
-        row = [label]
-        for case, (_, size) in zip(cases, units, strict=True):
-            one = case.filters.get(label)
-            row.append("" if one is None else interval(one.rmse[case.counting] / size))
-        rows.append(row)
     bounds = [number(case.bound_rms / size) for case, (_, size) in zip(cases, units, strict=True)]
-    rows.append(["Cramer-Rao bound", *bounds])
+
+    def rmse(case: CaseSummary, one: Summary) -> str:
+        return interval(one.rmse[case.counting] / unit_of(case)[1])
+
+    return _crossed("RMSE (95 % interval)", titles, cases, rmse, ["Cramer-Rao bound", *bounds])
+
+
+def wrongly_sure(cases: Sequence[CaseSummary]) -> Rows:
+    """Share of the time of each filter in each case in which it is wrongly sure, and the longest stretch."""
+
+    def said(_: CaseSummary, one: Summary) -> str:
+        longest = f", longest {number(one.longest_wrongly_sure)} s" if one.longest_wrongly_sure else ""
+        return interval(one.wrongly_sure / PERCENT) + longest
+
+    return _crossed("wrongly sure [%] (95 % interval)", [case.label for case in cases], cases, said)
+
+
+def recoveries(cases: Sequence[CaseSummary]) -> Rows:
+    """Median time to recover of each filter in each case with a fault that ends; empty without any."""
+    with_fault = [case for case in cases if any(_known(one.recovered) for one in case.filters.values())]
+    if not with_fault:
+        return []
+
+    def said(_: CaseSummary, one: Summary) -> str:
+        if not _known(one.recovered):
+            return "-"
+        return f"{number(one.recovery[0], 'never')} ({interval(one.recovered / PERCENT, ' %')} recovered)"
+
+    labels = [case.label for case in with_fault]
+    return _crossed("median time to recover [s]", labels, with_fault, said)
+
+
+def _crossed(
+    title: str,
+    titles: Sequence[str],
+    cases: Sequence[CaseSummary],
+    cell: Callable[[CaseSummary, Summary], str],
+    last: list[str] | None = None,
+) -> Rows:
+    """Filters in lines and cases in columns, or the other way if there are more cases."""
+    labels = dict.fromkeys(label for case in cases for label in case.filters)
+    rows = [[title, *titles]]
+    for label in labels:
+        filters = [case.filters.get(label) for case in cases]
+        rows.append(
+            [label, *("" if one is None else cell(c, one) for c, one in zip(cases, filters, strict=True))]
+        )
+    rows += [last] if last else []
     return [list(column) for column in zip(*rows, strict=True)] if len(cases) > len(labels) else rows
 
 
@@ -112,18 +188,31 @@ def for_machines(case: CaseSummary) -> dict[str, Any]:
                 "hand_over": [json_number(time) for time in one.hand_over],
                 "claims": one.claims,
                 "wrong_claims": _estimate(one.wrong_claims),
+                "sure_mean": json_number(one.sure),
+                "wrongly_sure": _estimate(one.wrongly_sure),
+                **{f"wrongly_sure_{name}": _estimate(share) for name, share in one.wrongly_sure_in.items()},
+                "longest_wrongly_sure": json_number(one.longest_wrongly_sure),
+                "recovered": _estimate(one.recovered),
+                "recovery_median": json_number(one.recovery[0]),
+                "recovery_90_percent": json_number(one.recovery[1]),
                 "nis": _estimate(one.nis),
                 "nees_at_the_end": _estimate(one.nees),
+                "nees_at": {f"{instant:g}": _estimate(value) for instant, value in one.nees_at.items()},
             }
             for label, one in case.filters.items()
         },
     }
 
 
-def interval(estimate: Estimate) -> str:
+def interval(estimate: Estimate, unit: str = "") -> str:
     """A figure with its interval."""
-    span = _span(estimate)
-    return number(estimate.value) + (f" ({span})" if span else "")
+    reach = _span(estimate)
+    return number(estimate.value) + unit + (f" ({reach})" if reach else "")
+
+
+def span(time: float) -> str:
+    """A span of time as people read it."""
+    return f"{time / HOUR:g} h" if time >= HOUR and time % HOUR == 0 else f"{time:g} s"
 
 
 def number(value: float, missing: str = "-") -> str:
@@ -137,6 +226,10 @@ def _span(estimate: Estimate) -> str:
         return ""
     decimals = _decimals(estimate.value)
     return f"{estimate.lower:.{decimals}f} to {estimate.upper:.{decimals}f}"
+
+
+def _known(estimate: Estimate) -> bool:
+    return not math.isnan(estimate.value)
 
 
 def _consistency(estimate: Estimate) -> str:

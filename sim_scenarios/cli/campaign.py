@@ -45,6 +45,10 @@ Labels = Annotated[
     list[str] | None,
     typer.Option("--filter", metavar="LABEL", help="Filter to run. Repeatable.", show_default="all"),
 ]
+NamedCases = Annotated[
+    list[str] | None,
+    typer.Option("--case", metavar="LABEL", help="Case of the file to run. Repeatable.", show_default="all"),
+]
 Grid = Annotated[
     list[str] | None,
     typer.Option(
@@ -78,6 +82,7 @@ def run_campaign(
     runs: Runs = None,
     seed: FirstSeed = None,
     filters: Labels = None,
+    named: NamedCases = None,
     set_: Settings = None,
     grid: Grid = None,
     output: Output = None,
@@ -99,6 +104,7 @@ def run_campaign(
         truenorth campaign swaying_ship -n 100
         truenorth campaign zigzag -n 50 --filter EKF --filter UKF --grid "gnss.rate=[1, 5, 10]"
         truenorth campaign filters_by_scenario
+        truenorth campaign faults --case "IMU silence" -n 2
         truenorth campaign my_campaign.toml --scheduler tls://192.168.0.7:8786 --output /shared/results
 
     Exit code 0 when every run came to its end, 1 when one stopped with an error, 130 when interrupted.
@@ -112,6 +118,7 @@ def run_campaign(
             runs=runs,
             seed=seed,
             filters=tuple(filters) if filters else None,
+            cases=tuple(named) if named else None,
             set=settings(set_),
             grid=settings(grid),
         )
@@ -158,6 +165,7 @@ def _print(cases: list[CaseSummary], effort: Effort, files: dict[str, str]) -> N
     for case in cases:
         console().print(case.label, style="bold", highlight=False, markup=False)
         print_table(table.figures(case))
+        print_table(table.certainty(case))
         console().print()
     for chunk in effort.damaged[:MOST_FAILURES]:
         typer.echo(f"{chunk} was lost or damaged; its runs have been done again", err=True)

@@ -10,7 +10,7 @@ import xarray as xr
 
 from sim_scenarios.attitude import wrap
 from sim_scenarios.metrics.statistics import heading_rmse, holds_since, rms, within
-from sim_scenarios.metrics.verdict import UNFIT, Rmse, Verdict, of_fixes, status_at_end, window
+from sim_scenarios.metrics.verdict import UNFIT, Rmse, Verdict, common, status_at_end, window
 from sim_scenarios.units import ARCMIN
 
 
@@ -69,7 +69,7 @@ class AlignmentVerdict(Verdict):
             "Cramer-Rao bound": bound_in_words(self.bound),
             "Filter's own sigma": _arcmin(self.heading_sigma),
             "Filter reports convergence": claimed,
-            **self._fix_figures(),
+            **self._common_figures(),
         }
 
     def row(self) -> dict[str, str]:
@@ -118,7 +118,7 @@ def judge(run: xr.Dataset) -> AlignmentVerdict:
         convergence_time=holds_since(time, np.abs(error) <= limit),
         claimed_time=holds_since(time, run["converged"].values),
         bound=run.attrs.get("bound.heading_rms"),
-        **of_fixes(run),
+        **common(run),
     )
 
 

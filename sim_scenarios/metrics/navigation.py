@@ -22,8 +22,8 @@ from sim_scenarios.metrics.verdict import (
     Rmse,
     Verdict,
     cell,
+    common,
     known,
-    of_fixes,
     status_at_end,
     window,
 )
@@ -92,7 +92,7 @@ class NavigationVerdict(Verdict):
         """Headline figures of a run."""
         handed = {} if self.hand_over is None else self.hand_over.headline()
         if self.hand_over is not None and not self.hand_over.in_time:
-            return {**handed, **self._fix_figures()}
+            return {**handed, **self._common_figures()}
         sigma = {} if self.horizontal_sigma is None else {"Filter's own": f"{self.horizontal_sigma:.2f} m"}
         consistency = {} if self.nees is None else {"Mean NEES / states": f"{self.nees:.3f}"}
         return {
@@ -104,7 +104,7 @@ class NavigationVerdict(Verdict):
             "Tilt RMSE": f"{self.tilt / ARCMIN:.3f} arcmin",
             "Heading RMSE": f"{self.yaw / ARCMIN:.3f} arcmin",
             **consistency,
-            **self._fix_figures(),
+            **self._common_figures(),
         }
 
     def row(self) -> dict[str, str]:
@@ -152,7 +152,7 @@ def judge(run: xr.Dataset) -> NavigationVerdict:
             horizontal_sigma=None,
             nees=None,
             hand_over=handed,
-            **of_fixes(run),
+            **common(run),
         )
     run = under_way(run)
     start, stop = window(run)
@@ -176,5 +176,5 @@ def judge(run: xr.Dataset) -> NavigationVerdict:
         horizontal_sigma=sigma,
         nees=float(np.mean(within(time, nees_of(run), start, stop))) if "covariance" in run else None,
         hand_over=handed,
-        **of_fixes(run),
+        **common(run),
     )

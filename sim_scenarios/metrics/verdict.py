@@ -9,6 +9,8 @@ from typing import Any, Final, NamedTuple
 
 import xarray as xr
 
+from sim_scenarios.metrics import certainty
+from sim_scenarios.metrics.certainty import Certainty
 from sim_scenarios.metrics.statistics import NisStatistics, is_measured, nis_statistics
 
 UNFIT: Final = ("waiting", "coasting", "faulted", "coarse", "inconsistent")
@@ -35,10 +37,13 @@ class Verdict(ABC):
     nis : NisStatistics
         Over the fixes that the filter used in the evaluation window.
     used_fixes, rejected_fixes : int
+    certainty : Certainty
+        How long it reported convergence, and whether it was right.
     """
 
     ok: bool
     status: str
+    certainty: Certainty
     nis: NisStatistics
     used_fixes: int
     rejected_fixes: int
@@ -80,14 +85,16 @@ class Verdict(ABC):
             "nis_consistent": self.nis.consistent if known else None,
             "used_fixes": self.used_fixes,
             "rejected_fixes": self.rejected_fixes,
+            **self.certainty.figures(),
         }
 
     def __repr__(self) -> str:
         """The sentence, and a headline figure a line: people read no radians."""
         return "\n".join([self.sentence(), *(f"  {name}: {text}" for name, text in self.headline().items())])
 
-    def _fix_figures(self) -> dict[str, str]:
+    def _common_figures(self) -> dict[str, str]:
         return {
+            **self.certainty.headline(),
             "Mean NIS / channels": str(self.nis),
             "Fixes used, rejected": f"{self.used_fixes}, {self.rejected_fixes}",
         }
@@ -118,8 +125,8 @@ def status_at_end(run: xr.Dataset, name: str = "status") -> str:
     return str(names[int(status.values[-1])])
 
 
-def of_fixes(run: xr.Dataset) -> dict[str, Any]:
-    """What a verdict says of the fixes of a run."""
+def common(run: xr.Dataset) -> dict[str, Any]:
+    """What every verdict says of a run: its fixes, and whether the filter was rightly sure."""
     start, stop = window(run)
     time, used = run["fix_time"].values, run["fix_used"].values
     counted = used & (time >= start) & (time <= stop)
@@ -127,4 +134,5 @@ def of_fixes(run: xr.Dataset) -> dict[str, Any]:
         "nis": nis_statistics(run["nis"].values[counted], is_measured(run)[counted].sum(axis=1)),
         "used_fixes": int(used.sum()),
         "rejected_fixes": int(run["rejected_fixes"].values[-1]) if run.sizes["fix"] else 0,
+        "certainty": certainty.of_run(run),
     }

@@ -17,12 +17,26 @@ SAMPLES = 2000
 
 
 def variants(fmu: Fmu) -> list[dict[str, Number]]:
-    """Parameters that choose each error model of a filter in turn; of any other FMU, none."""
-    chooser = fmu.variables.get("error_model")
-    if chooser is None:
-        return [{}]
-    models = range(1, len(chooser.declaredType.items) + 1)
-    return [{"error_model": model, **requirements(fmu, model)} for model in models]
+    """Parameters that choose each error model of a filter, or each fault of the plant, in turn; else none."""
+    if "error_model" in fmu.variables:
+        return [{"error_model": model, **requirements(fmu, model)} for model in choices(fmu, "error_model")]
+    faults: list[dict[str, Number]] = [
+        {
+            f"fault.{sensor}.kind": kind,
+            f"fault.{sensor}.begin": SAMPLES * STEP / 4,
+            f"fault.{sensor}.duration": SAMPLES * STEP / 2,
+            f"fault.{sensor}.size": 1.0,
+        }
+        for sensor in ("imu", "gnss")
+        if f"fault.{sensor}.kind" in fmu.variables
+        for kind in choices(fmu, f"fault.{sensor}.kind")
+    ]
+    return faults or [{}]
+
+
+def choices(fmu: Fmu, name: str) -> range:
+    """Numbers of the items of an enumeration."""
+    return range(1, len(fmu.variables[name].declaredType.items) + 1)
 
 
 def requirements(fmu: Fmu, model: int) -> dict[str, Number]:

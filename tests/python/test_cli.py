@@ -51,6 +51,16 @@ def test_run_that_does_not_converge(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("fmus")
+def test_a_fault_is_set_and_named_beside_the_bound(tmp_path: Path) -> None:
+    fault = ["fault.imu.kind=silence", "fault.imu.begin=40", "fault.imu.duration=5"]
+    settings = [part for setting in fault for part in ("--set", setting)]
+    result = truenorth("run", "swaying_ship", *SHORT, *settings, "--output", tmp_path)
+    assert result.exit_code in (0, 1), result.stderr
+    (line,) = (line for line in result.stdout.splitlines() if line.startswith("Bound leaves out"))
+    assert line.split()[3:] == ["fault.imu.kind"]
+
+
+@pytest.mark.usefixtures("fmus")
 def test_json_alone_stands_on_standard_output(tmp_path: Path) -> None:
     result = truenorth("run", "swaying_ship", *LONG, "--json", "--seed", 4, "-o", tmp_path)
     content = json.loads(result.stdout)

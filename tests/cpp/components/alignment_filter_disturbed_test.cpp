@@ -30,13 +30,16 @@ TEST(AlignmentFilterBadData, OfTheImuLeavesTheEstimateAndIsCountedAndLogged) {
     bad.delta_velocity.x() = 1e6;
     fed.put_sample(20.52, bad);
     fed.step();
-    fed.put_sample(20.4, good);
+    --fed.filter.inputs.imu.sample;  // an old one
+    fed.filter.inputs.imu.time = 20.4;
+    --fed.filter.inputs.imu.sample;
     fed.step();
+    fed.filter.inputs.imu.sample += 3;
     fed.put_sample(kNaN, good);
     fed.step();
     EXPECT_EQ(estimate(fed), before);
     EXPECT_EQ(fed.filter.outputs.rejected_samples, 4);
-    EXPECT_EQ(fed.log.with("IMU sample"), 4);
+    EXPECT_EQ(fed.log.with("IMU sample"), 4);  // each of another kind than the one before
     EXPECT_EQ(fed.log.with("rejected"), 4);
 }
 
@@ -74,7 +77,7 @@ TEST(AlignmentFilterBadData, OfTheReceiverChangesNothingAtAll) {
     run.seconds(disturbed, 60.0);
     EXPECT_EQ(sent, 60);
     EXPECT_EQ(disturbed.filter.outputs.rejected_fixes, sent);
-    EXPECT_EQ(disturbed.log.with("rejected"), sent);
+    EXPECT_EQ(disturbed.log.with("rejected"), sent);  // each of another kind than the one before
     EXPECT_EQ(estimate(disturbed), estimate(clean));
 }
 
@@ -190,6 +193,27 @@ TEST(AlignmentFilterGate, IsOpenedForAStartBeyondItsPrior) {
         EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 0.1 * kDegree);
         EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 3.0 * outputs.heading_sigma);
     }
+}
+
+TEST(AlignmentFilterFault, EndsWithTheNextSoundFix) {
+    // A noise that makes the covariance overflow, and is taken back.
+    using Status = alignment_filter::Status;
+    FedFilter fed;
+    const Trial run;
+    run.seconds(fed, 100.0);
+    const double noise = fed.filter.parameters.process.angle_random_walk;
+    fed.filter.parameters.process.angle_random_walk = 1e200;
+    fed.filter.retune();
+    run.advance(fed, 100 * kRate, 102 * kRate);
+    ASSERT_EQ(fed.filter.outputs.status, Status::faulted);
+    fed.filter.parameters.process.angle_random_walk = noise;
+    fed.filter.retune();
+    run.advance(fed, 102 * kRate, 110 * kRate);
+    EXPECT_NE(fed.filter.outputs.status, Status::faulted);
+    EXPECT_EQ(fed.log.with("starts over"), 1);
+    run.advance(fed, 110 * kRate, 900 * kRate);
+    EXPECT_EQ(fed.filter.outputs.status, Status::converged);
+    EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 3.0 * fed.filter.outputs.heading_sigma);
 }
 
 TEST(AlignmentFilterStart, FarFromTheFirstFixIsQuestioned) {

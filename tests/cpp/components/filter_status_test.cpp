@@ -11,7 +11,13 @@ constexpr double kGood = 0.009;
 constexpr double kPoor = 0.01;
 
 FilterStatus::Evidence evidence(double heading_sigma, bool sensing = true, bool coarse = false) {
-    return {.sensing = sensing, .coarse = coarse, .consistent = true, .heading_sigma = heading_sigma};
+    return {.sensing = sensing,
+            .silent = false,
+            .suspect = false,
+            .coarse = coarse,
+            .recovering = false,
+            .consistent = true,
+            .heading_sigma = heading_sigma};
 }
 
 // Fixes every second from `from` to `to`; the last state.
@@ -78,6 +84,33 @@ TEST(FilterStatus, IsInconsistentWhileTheInnovationsContradictAndTheHoldTimeBegi
     EXPECT_EQ(status.judge(27.0, contradicted, kRules), State::coasting);
     EXPECT_EQ(with_fixes(status, 28, 37, kGood), State::aligning);
     EXPECT_EQ(with_fixes(status, 38, 38, kGood), State::converged);
+}
+
+TEST(FilterStatus, NothingThatSpeaksAgainstItIsConvergedAndTheHoldTimeBeginsAgain) {
+    using Evidence = FilterStatus::Evidence;
+    const std::pair<bool Evidence::*, State> hindrances[] = {{&Evidence::silent, State::silent},
+                                                             {&Evidence::suspect, State::suspect},
+                                                             {&Evidence::recovering, State::recovering}};
+    for (const auto& [hindrance, state] : hindrances) {
+        FilterStatus status;
+        status.start(0.0);
+        ASSERT_EQ(with_fixes(status, 1, 20, kGood), State::converged);
+        Evidence bad = evidence(kGood);
+        bad.*hindrance = true;
+        status.use_fix(21.0);
+        EXPECT_EQ(status.judge(21.0, bad, kRules), state);
+        EXPECT_EQ(with_fixes(status, 22, 31, kGood), State::aligning);
+        EXPECT_EQ(with_fixes(status, 32, 32, kGood), State::converged);
+    }
+}
+
+TEST(FilterStatus, OfASilentImuIsToldBeforeThatOfASilentReceiver) {
+    FilterStatus status;
+    status.start(0.0);
+    ASSERT_EQ(with_fixes(status, 1, 20, kGood), State::converged);
+    FilterStatus::Evidence silent = evidence(kGood);
+    silent.silent = true;
+    EXPECT_EQ(status.judge(60.0, silent, kRules), State::silent);
 }
 
 TEST(FilterStatus, OfAFaultIsFinalUntilTheNextStart) {

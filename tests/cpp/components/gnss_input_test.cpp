@@ -9,6 +9,8 @@ namespace {
 
 using Verdict = GnssInput::Verdict;
 
+constexpr GnssInput::Moment kTen{.now = 10.0, .offset = 0.0, .slack = 0.0};
+
 GnssFix fix_at(double time) {
     return {.time = time,
             .position = {.latitude = 0.5, .longitude = 2.0, .height = 100.0},
@@ -17,10 +19,10 @@ GnssFix fix_at(double time) {
 
 TEST(GnssInput, AcceptsAPlausibleFixOnce) {
     GnssInput gnss;
-    EXPECT_EQ(gnss.read(0, fix_at(0.0), 10.0), Verdict::stale);
-    EXPECT_EQ(gnss.read(1, fix_at(9.0), 10.0), Verdict::accepted);
-    EXPECT_EQ(gnss.read(1, fix_at(9.0), 10.0), Verdict::stale);
-    EXPECT_EQ(gnss.read(2, fix_at(10.0), 10.0), Verdict::accepted);
+    EXPECT_EQ(gnss.read(0, fix_at(0.0), kTen), Verdict::stale);
+    EXPECT_EQ(gnss.read(1, fix_at(9.0), kTen), Verdict::accepted);
+    EXPECT_EQ(gnss.read(1, fix_at(9.0), kTen), Verdict::stale);
+    EXPECT_EQ(gnss.read(2, fix_at(10.0), kTen), Verdict::accepted);
 }
 
 TEST(GnssInput, RejectsEveryValueThatIsNotFinite) {
@@ -34,7 +36,7 @@ TEST(GnssInput, RejectsEveryValueThatIsNotFinite) {
             };
             *fields[field] = bad;
             GnssInput gnss;
-            EXPECT_EQ(gnss.read(1, fix, 10.0), Verdict::not_finite) << field;
+            EXPECT_EQ(gnss.read(1, fix, kTen), Verdict::not_finite) << field;
         }
     }
 }
@@ -46,7 +48,7 @@ TEST(GnssInput, RejectsPlacesAndSpeedsThatAreImpossible) {
                          {.time = 1.0,
                           .position = {.latitude = latitude, .longitude = longitude, .height = height},
                           .velocity = {speed, 0.0, 0.0}},
-                         10.0);
+                         kTen);
     };
     EXPECT_EQ(verdict(1.5708, 0.0, 0.0, 0.0), Verdict::impossible);  // the pole
     EXPECT_EQ(verdict(-2.0, 0.0, 0.0, 0.0), Verdict::impossible);
@@ -60,29 +62,103 @@ TEST(GnssInput, RejectsPlacesAndSpeedsThatAreImpossible) {
 
 TEST(GnssInput, RejectsTimeThatDoesNotAdvance) {
     GnssInput gnss;
-    gnss.read(1, fix_at(5.0), 10.0);
-    EXPECT_EQ(gnss.read(2, fix_at(5.0), 10.0), Verdict::backwards);
-    EXPECT_EQ(gnss.read(3, fix_at(4.0), 10.0), Verdict::backwards);
-    EXPECT_EQ(gnss.read(4, fix_at(5.1), 10.0), Verdict::accepted);
+    gnss.read(1, fix_at(5.0), kTen);
+    EXPECT_EQ(gnss.read(2, fix_at(5.0), kTen), Verdict::backwards);
+    EXPECT_EQ(gnss.read(3, fix_at(4.0), kTen), Verdict::backwards);
+    EXPECT_EQ(gnss.read(4, fix_at(5.1), kTen), Verdict::accepted);
 }
 
 TEST(GnssInput, RejectsAFixFromTheFuture) {
     GnssInput gnss;
-    EXPECT_EQ(gnss.read(1, fix_at(10.01), 10.0), Verdict::future);
-    EXPECT_EQ(gnss.read(2, fix_at(10.0 + 1e-9), 10.0), Verdict::accepted);  // the clocks' rounding
+    EXPECT_EQ(gnss.read(1, fix_at(10.01), kTen), Verdict::future);
+    EXPECT_EQ(gnss.read(2, fix_at(10.0 + 1e-9), kTen), Verdict::accepted);  // the clocks' rounding
+    EXPECT_EQ(gnss.disagreements(), 1);
+}
+
+TEST(GnssInput, LetsAFixWaitThatIsALittleYoungerThanTheImuData) {
+    GnssInput gnss;
+    EXPECT_EQ(gnss.read(1, fix_at(10.03), {.now = 10.0, .offset = 0.0, .slack = 0.05}), Verdict::accepted);
+    EXPECT_DOUBLE_EQ(gnss.valid_at(), 10.03);
+    EXPECT_EQ(gnss.read(2, fix_at(10.08), {.now = 10.0, .offset = 0.0, .slack = 0.05}), Verdict::accepted);
+    EXPECT_EQ(gnss.read(3, fix_at(10.2), {.now = 10.0, .offset = 0.0, .slack = 0.05}), Verdict::future);
 }
 
 TEST(GnssInput, ARejectedFixDoesNotHoldBackTheNext) {
     GnssInput gnss;
-    EXPECT_EQ(gnss.read(1, fix_at(1e6), 10.0), Verdict::future);
-    EXPECT_EQ(gnss.read(2, fix_at(9.0), 10.0), Verdict::accepted);
+    EXPECT_EQ(gnss.read(1, fix_at(1e6), kTen), Verdict::future);
+    EXPECT_EQ(gnss.read(2, fix_at(9.0), kTen), Verdict::accepted);
+}
+
+TEST(GnssInput, RejectsAReceiverThatHangsButNotOneThatStands) {
+    GnssInput gnss;
+    EXPECT_EQ(gnss.read(1, fix_at(1.0), kTen), Verdict::accepted);
+    EXPECT_EQ(gnss.read(2, fix_at(2.0), kTen), Verdict::frozen);
+    GnssFix other = fix_at(3.0);
+    other.velocity.x() += 1e-9;
+    EXPECT_EQ(gnss.read(3, other, kTen), Verdict::accepted);
+
+    GnssInput standing;
+    for (int k = 1; k <= 3; ++k) {
+        GnssFix fix = fix_at(k);
+        fix.velocity.setZero();
+        EXPECT_EQ(standing.read(k, fix, kTen), Verdict::accepted);
+    }
+}
+
+// A fix a second, 0.2 s late, from a receiver whose clock is off by `offset(second)`; how many are accepted of
+// those from `from` on, and the last time of validity.
+template <class Offset, class ImuOffset>
+std::pair<int, double> accepted(GnssInput& gnss, int from, int to, Offset offset, ImuOffset imu_offset) {
+    int count = 0;
+    for (int second = from; second <= to; ++second) {
+        GnssFix fix = fix_at(second - 0.2 + offset(second));
+        fix.velocity.x() += second;  // no two alike
+        const auto verdict =
+            gnss.read(second, fix, {.now = 1.0 * second, .offset = imu_offset(second), .slack = 0.01});
+        count += verdict == Verdict::accepted ? 1 : 0;
+    }
+    return {count, gnss.valid_at()};
+}
+
+TEST(GnssInput, GoesOnWhenItsClockWasSet) {
+    for (const double step : {3600.0, 18.0, 1.0, -5.0, -3600.0}) {
+        GnssInput gnss;
+        const auto offset = [step](int second) { return second >= 100 ? step : 0.0; };
+        const auto none = [](int) { return 0.0; };
+        accepted(gnss, 1, 99, offset, none);
+        const auto [count, valid_at] = accepted(gnss, 100, 120, offset, none);
+        EXPECT_EQ(count, 19) << step;  // three agree before they are believed, and the third is one of them
+        EXPECT_NEAR(valid_at, 119.8, 1e-9) << step;
+        EXPECT_EQ(gnss.disagreements(), 3) << step;
+    }
+}
+
+TEST(GnssInput, LosesNothingWhenItsClockIsSetTogetherWithTheImus) {
+    for (const double step : {1.0, -1.0, 3600.0}) {
+        GnssInput gnss;
+        const auto offset = [step](int second) { return second >= 100 ? step : 0.0; };
+        accepted(gnss, 1, 99, offset, offset);
+        const auto [count, valid_at] = accepted(gnss, 100, 120, offset, offset);
+        EXPECT_EQ(count, 21) << step;
+        EXPECT_NEAR(valid_at, 119.8, 1e-9) << step;
+    }
+}
+
+TEST(GnssInput, DoesNotTakeTheStepOfAnImuClockForItsOwn) {
+    GnssInput gnss;
+    const auto none = [](int) { return 0.0; };
+    const auto imu = [](int second) { return second >= 100 ? 1.0 : 0.0; };
+    accepted(gnss, 1, 99, none, imu);
+    const auto [count, valid_at] = accepted(gnss, 100, 120, none, imu);
+    EXPECT_EQ(count, 21);
+    EXPECT_NEAR(valid_at, 119.8, 1e-9);
 }
 
 TEST(GnssInput, StartForgetsEverything) {
     GnssInput gnss;
-    gnss.read(1, fix_at(5.0), 10.0);
+    gnss.read(1, fix_at(5.0), kTen);
     gnss.start();
-    EXPECT_EQ(gnss.read(1, fix_at(1.0), 10.0), Verdict::accepted);
+    EXPECT_EQ(gnss.read(1, fix_at(1.0), kTen), Verdict::accepted);
 }
 
 }  // namespace

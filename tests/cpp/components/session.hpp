@@ -1,7 +1,9 @@
 // An inertial filter on the turntable: fed by hand, or for a while.
 #pragma once
 
+#include <algorithm>
 #include <cereal/archives/binary.hpp>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -41,6 +43,8 @@ class Fed {
         initial().longitude = table.position.longitude;
         initial().height = table.position.height;
         initial().velocity.setZero();
+        clock = 0.0;
+        next = 0.0;
         filter.initialise(0.0);
     }
 
@@ -48,6 +52,7 @@ class Fed {
         auto& port = filter.inputs.imu;
         ++port.sample;
         port.time = time;
+        next = time;
         port.delta_angle = increment.delta_angle;
         port.delta_velocity = increment.delta_velocity;
     }
@@ -66,8 +71,15 @@ class Fed {
         }
     }
 
-    void step() { filter.step(0.0, 0.0); }
+    // The master's clock goes with the samples.
+    void step() {
+        const double end = std::max(clock, std::isfinite(next) ? next : clock);
+        filter.step(clock, end - clock);
+        clock = end;
+    }
 
+    double clock = 0.0;
+    double next = 0.0;
     Sky sky;
     Lines log;
     Filter filter{log};
@@ -128,6 +140,10 @@ std::string estimate(const Fed<Filter>& fed) {
     auto outputs = fed.filter.outputs;
     outputs.rejected_fixes = 0;
     outputs.rejected_samples = 0;
+    outputs.aid.gnss.rejected = 0;
+    outputs.aid.gnss.silent_for = 0.0;
+    outputs.imu.silent_for = 0.0;
+    outputs.clock_disagreements = 0;
     outputs.measurement_weight.setZero();  // of the last fix, whatever became of it
     return bytes(outputs);
 }

@@ -17,49 +17,6 @@ namespace {
 
 using truth_plant::MotionKind;
 using truth_plant::Outputs;
-using truth_plant::Parameters;
-
-// Every error source at once.
-void switch_everything_on(Parameters& parameters) {
-    parameters.seed = 42;
-    parameters.motion.wave.velocity.setConstant(0.5);
-    parameters.motion.turn.angle[0] = 1.0;
-    parameters.motion.turn.begin[0] = 1.0;
-    parameters.motion.turn.duration[0] = 3.0;
-    parameters.imu.gyro.markov_sigma = 1e-6;
-    parameters.imu.gyro.wave_sigma = 1e-6;
-    parameters.imu.gyro.quantisation = 1e-6;
-    parameters.imu.gyro.scale_factor.setConstant(1e-4);
-    parameters.imu.gyro.misalignment.setConstant(1e-4);
-    parameters.imu.gyro.bias_step.setConstant(1e-6);
-    parameters.imu.gyro.bias_step_time = 2.0;
-    parameters.imu.accelerometer.markov_sigma = 1e-3;
-    parameters.imu.accelerometer.wave_sigma = 1e-3;
-    parameters.imu.accelerometer.quantisation = 1e-5;
-    parameters.gnss.rate = 10.0;
-    parameters.gnss.latency = 0.25;
-    parameters.gnss.lever_arm = {1.0, 2.0, 3.0};
-    parameters.gnss.velocity_outlier.probability = 0.3;
-    parameters.gnss.position_outlier.probability = 0.3;
-    parameters.motion.segment.duration.head<3>() = Eigen::Vector3d(1.0, 2.0, 1.5);
-    parameters.motion.segment.acceleration[0] = 3.0;
-    parameters.motion.segment.climb_angle[1] = 0.1;
-    parameters.motion.segment.turn_angle[2] = -0.4;
-    parameters.imu.accelerometer.bias_step.setConstant(1e-2);
-    parameters.imu.accelerometer.bias_step_time = 1.0;
-    parameters.imu.accelerometer.bias_step_duration = 1.5;
-    parameters.gnss.outlier_epoch.probability = 0.3;
-    parameters.gnss.pseudorange_outlier.probability = 0.3;
-    parameters.gnss.range_rate_outlier.probability = 0.3;
-    parameters.gnss.satellite_limit = {.count = 3, .begin = 2.0, .end = 4.0};
-    parameters.gnss.clock = {.bias = 300.0, .drift = 5.0, .bias_noise = 1.0, .drift_noise = 0.1};
-}
-
-std::string bytes(const Outputs& outputs) {
-    std::ostringstream stream;
-    cereal::BinaryOutputArchive{stream}(outputs);
-    return stream.str();
-}
 
 // Sums of the delta angles and delta velocities of single IMU periods.
 std::pair<Eigen::Vector3d, Eigen::Vector3d> summed_increments(TruthPlant& plant, int from, int to) {

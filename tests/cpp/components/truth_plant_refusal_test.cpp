@@ -14,6 +14,8 @@
 namespace truenorth {
 namespace {
 
+using truth_plant::GnssFaultKind;
+using truth_plant::ImuFaultKind;
 using truth_plant::MotionKind;
 using truth_plant::Parameters;
 
@@ -41,7 +43,7 @@ TEST_F(TruthPlantTest, RefusesStepsFromAnotherTime) {
     plant_.initialise(2.0);
     plant_.step(2.0, 0.01);
     EXPECT_EQ(refusal([&] { plant_.step(2.0, 0.01); }),
-              "communication step from 2 s: the plant is at 2.01 s");
+              "communication step from 2 s: must begin at 2.01 s, where the last one ended");
 }
 
 TEST_F(TruthPlantTest, AcceptsTimesThatAMasterSummedUp) {
@@ -52,6 +54,21 @@ TEST_F(TruthPlantTest, AcceptsTimesThatAMasterSummedUp) {
         time += 0.01;
     }
     EXPECT_EQ(plant_.outputs.imu.time, 1000.0);
+}
+
+// Rounding makes each of these steps 2e-8 s too long.
+TEST_F(TruthPlantTest, AcceptsTimesThatAMasterSummedUpFromAnEpoch) {
+    plant_.parameters.imu.rate = 400.0;
+    plant_.initialise(1.4e9);
+    double time = 1.4e9;
+    for (int k = 0; k < 60 * 400; ++k) {
+        plant_.step(time, 0.0025);
+        time += 0.0025;
+    }
+    EXPECT_EQ(plant_.outputs.imu.time, 1.4e9 + 60.0);
+    EXPECT_THROW(plant_.step(time + 0.0025, 0.0025), std::invalid_argument);
+    EXPECT_THROW(plant_.step(time - 0.0025, 0.0025), std::invalid_argument);
+    EXPECT_NO_THROW(plant_.step(time, 0.0025));
 }
 
 // No refused step: the motion was under way, and the run ends there.
@@ -100,6 +117,28 @@ INSTANTIATE_TEST_SUITE_P(
                 "gnss.rate = 1: must be imu.rate (0.5) divided by a whole number"},
         Refusal{[](Parameters& p) { p.gnss.latency = 40.0; },
                 "gnss.latency = 40: must be at most 31 periods of gnss.rate (31)"},
+        Refusal{[](Parameters& p) {
+                    p.gnss.latency = 1.0;
+                    p.fault.gnss = {.kind = GnssFaultKind::latency, .size = 30.5};
+                },
+                "fault.gnss.size = 30.5: must be from 0 to 31 periods of gnss.rate less gnss.latency (30) "
+                "where fault.gnss.kind is latency"},
+        Refusal{[](Parameters& p) { p.fault.gnss = {.kind = GnssFaultKind::latency, .size = -1.0}; },
+                "fault.gnss.size = -1: must be from 0 to 31 periods of gnss.rate less gnss.latency (31) "
+                "where fault.gnss.kind is latency"},
+        Refusal{[](Parameters& p) { p.fault.gnss.kind = GnssFaultKind::drift; },
+                "fault.gnss.size = 0: must be other than 0 for a fault.gnss.kind that has a size"},
+        Refusal{[](Parameters& p) { p.fault.imu.kind = ImuFaultKind::clock_step; },
+                "fault.imu.size = 0: must be other than 0 for a fault.imu.kind that has a size"},
+        Refusal{[](Parameters& p) { p.fault.imu = {.kind = ImuFaultKind::count_jump, .size = 0.5}; },
+                "fault.imu.size = 0.5: must be a whole number of 32 bits where fault.imu.kind is count_jump"},
+        Refusal{[](Parameters& p) { p.fault.imu = {.kind = ImuFaultKind::count_jump, .size = 3e9}; },
+                "fault.imu.size = 3e+09: must be a whole number of 32 bits where fault.imu.kind is "
+                "count_jump"},
+        Refusal{[](Parameters& p) { p.fault.imu.axis = 7; }, "fault.imu.axis = 7: must be at most 6"},
+        Refusal{[](Parameters& p) { p.fault.gnss.axis = -1; }, "fault.gnss.axis = -1: must be at least 0"},
+        Refusal{[](Parameters& p) { p.fault.gnss.duration = -1.0; },
+                "fault.gnss.duration = -1: must be at least 0"},
         Refusal{[](Parameters& p) { p.gnss.outage.begin[2] = 5.0; },
                 "gnss.outage.end[3] = 0: must be at least gnss.outage.begin[3] (5)"},
         Refusal{[](Parameters& p) { p.gnss.noise_scale.step.end = 1.0; },

@@ -128,7 +128,7 @@ TEST_P(HInfinityCorrector, BacksOffWhereGammaIsInfeasible) {
 
 TEST_P(HInfinityCorrector, BacksOffFromTheDocumentedShareOfTheLimitOn) {
     for_random_cases([](const Case& c, const Vector<kStates>& L) {
-        const double border = std::sqrt(c.largest(L) / HInfinity<kStates>::kLargestRatio);
+        const double border = std::sqrt(c.largest(L) / forgetting::kLargestRatio);
         EXPECT_TRUE((HInfinity<kStates>{.gamma = border * 1.000001, .scale = L}
                          .correct(c.P, c.innovation())
                          .feasible));

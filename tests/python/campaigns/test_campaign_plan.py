@@ -8,7 +8,7 @@ import pytest
 
 from sim_scenarios.campaigns.plan import Plan, cases, fingerprint, load_plan
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import Fmus
+from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, Fmus
 
 
 def test_every_combination_of_the_grid_is_a_case(fmus: Fmus, plan_file: Path) -> None:
@@ -72,6 +72,17 @@ def test_scenario_files_stand_relative_to_the_campaign(fmus: Fmus, tmp_path: Pat
         ('scenarios = ["waves"]\n[grid]\n"gnss.rat" = [1.0]', "did you mean 'gnss.rate'"),
         ('scenarios = ["waves"]\n[grid]\n"gnss.rate" = []', "grid"),
         ("scenarios = [", "not valid TOML"),
+        ('scenarios = ["waves"]\n[draw]\n"gnss.rate" = { uniform = [1.0] }', "draw.gnss.rate"),
+        ('scenarios = ["waves"]\n[draw]\n"gnss.rate" = {}', "must be one of uniform, log_uniform, choice"),
+        (
+            'scenarios = ["waves"]\n[set]\n"gnss.rate" = 2.0\n[draw]\n"gnss.rate" = { choice = [1.0] }',
+            "gnss.rate is set and drawn",
+        ),
+        (
+            'scenarios = ["waves"]\n[filters.a]\nscenarios = ["wave"]',
+            "filters.a: the campaign has no scenario wave; did you mean 'waves'?",
+        ),
+        ('scenarios = ["waves"]\n[cases.a]\nsets = {}', "cases.a.sets: there is no such entry"),
     ],
 )
 def test_what_is_refused(fmus: Fmus, tmp_path: Path, content: str, words: str) -> None:
@@ -80,6 +91,93 @@ def test_what_is_refused(fmus: Fmus, tmp_path: Path, content: str, words: str) -
     with pytest.raises(InputError) as refusal:
         cases(load_plan(path), fmus)
     assert words in str(refusal.value)
+
+
+NAMED = """
+scenarios = ["waves", "zigzag"]
+[set]
+duration = 40.0
+"evaluation.start" = 20.0
+[draw]
+"fault.imu.begin" = { uniform = [20.0, 30.0] }
+[cases."IMU silence"]
+set = { "fault.imu.kind" = "silence", "fault.imu.duration" = 3.0 }
+[cases."IMU spike"]
+set = { "fault.imu.kind" = "spike", "fault.imu.begin" = 25.0, duration = 50.0 }
+draw = { "fault.imu.size" = { log_uniform = [0.01, 1.0] } }
+[cases.clean]
+[filters.both]
+[filters."one of them"]
+scenarios = ["zigzag"]
+predictor = "linearised"
+"""
+
+
+@pytest.fixture
+def named(tmp_path: Path) -> Path:
+    path = tmp_path / "named.toml"
+    path.write_text(NAMED, encoding="utf-8")
+    return path
+
+
+def test_each_scenario_has_each_named_case(fmus: Fmus, named: Path) -> None:
+    made = {case.label: case for case in cases(load_plan(named, cases=("IMU silence", "IMU spike")), fmus)}
+    labels = [f"{name} {case}" for name in ("waves", "zigzag") for case in ("IMU silence", "IMU spike")]
+    assert list(made) == ["waves unfaulted", "zigzag unfaulted", *labels]
+    spike = made["waves IMU spike"]
+    assert [one.name for one in spike.draws] == ["fault.imu.size"]  # its begin is set in its own table
+    assert spike.scenario.plant["fault.imu.begin"] == 25
+    assert [one.name for one in made["waves IMU silence"].draws] == ["fault.imu.begin"]
+
+
+def test_a_fault_is_held_against_the_longest_case_without(fmus: Fmus, named: Path) -> None:
+    made = {case.label: case for case in cases(load_plan(named), fmus)}
+    against = {label: case.unfaulted for label, case in made.items()}
+    assert against["waves IMU silence"] == against["waves IMU spike"] == "waves unfaulted"
+    assert against["waves clean"] is against["waves unfaulted"] is None
+    clean = made["waves unfaulted"]
+    assert clean.scenario.duration == 50  # that of the spike; "clean" is shorter
+    assert not any(name.startswith("fault.") for name in (*clean.scenario.plant, *clean.settings))
+    assert clean.draws == ()
+    same = cases(load_plan(named, set={"duration": 50.0}), fmus)
+    assert {case.unfaulted for case in same if case.scenario.name == "waves"} == {None, "waves clean"}
+
+
+def test_filters_are_run_in_their_scenarios_alone(fmus: Fmus, named: Path) -> None:
+    made = {case.label: case for case in cases(load_plan(named), fmus)}
+    assert list(made["waves clean"].filters()) == ["both"]
+    assert list(made["zigzag clean"].filters()) == ["both", "one of them"]
+    (case,) = cases(load_plan(named, filters=("one of them",), cases=("clean",)), fmus)
+    assert (case.label, list(case.filters())) == ("zigzag clean", ["one of them"])
+
+
+def test_the_command_line_wins_over_cases_and_draws(fmus: Fmus, named: Path) -> None:
+    plan = load_plan(named, set={"fault.imu.begin": 21.0, "fault.imu.size": 0.5}, cases=("IMU spike",))
+    spike = cases(plan, fmus)[-1]
+    assert spike.draws == ()
+    assert spike.scenario.plant["fault.imu.begin"] == 21
+    assert spike.scenario.plant["fault.imu.size"] == 0.5
+
+
+@pytest.mark.parametrize("name", ["faults", "soak"])
+def test_shipped_campaigns_are_in_order(fmus: Fmus, name: str) -> None:
+    """Every model of both filters, and every kind of fault, has a place."""
+    made = cases(load_plan(name), fmus)
+    for filter_fmu in (ALIGNMENT_FILTER, NAVIGATION_FILTER):
+        items = fmus[filter_fmu].variables["error_model"].items
+        start = fmus[filter_fmu].start("error_model")
+        used = {
+            values.get("error_model", start)
+            for case in made
+            if case.scenario.filter_fmu == filter_fmu
+            for values in case.filters().values()
+        }
+        assert used == set(items.values())
+    if name == "faults":
+        for sensor in ("imu", "gnss"):
+            name = f"fault.{sensor}.kind"
+            kinds = {case.scenario.plant.get(name, fmus.plant.start(name)) for case in made}
+            assert kinds == set(fmus.plant.variables[name].items.values())
 
 
 def test_a_fingerprint_tells_campaigns_apart(fmus: Fmus, plan_file: Path) -> None:

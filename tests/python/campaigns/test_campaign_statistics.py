@@ -16,8 +16,10 @@ from sim_scenarios.campaigns.statistics import (
     error_course,
     nees_course,
     paired_ratio,
+    recovery_times,
     root_mean_square,
     summarise,
+    time_share,
 )
 from sim_scenarios.campaigns.store import State
 
@@ -114,6 +116,94 @@ def test_times_without_a_fix_have_no_nis() -> None:
     assert np.isnan([course.middle[1], course.lower[1], course.upper[1]]).all()
 
 
+@pytest.mark.parametrize("runs", [10, 50])
+def test_the_interval_of_a_share_of_time_covers_the_truth(runs: int) -> None:
+    """Runs of unequal length, each with a share of its own, 4 % in the mean: instants that hang together."""
+    rng = np.random.default_rng(runs)
+    length = rng.uniform(100, 300, (TRIALS, runs))
+    part = rng.beta(0.5, 12, (TRIALS, runs)) * length
+    intervals = [time_share(w, c) for w, c in zip(part, length, strict=True)]
+    covered = np.mean([i.lower <= 0.04 <= i.upper for i in intervals])
+    lost = {10: 0.04, 50: 0.015}[runs]
+    assert binomial_range(TRIALS, 0.95 - lost)[0] <= covered <= 1
+    assert np.mean([i.upper - i.lower for i in intervals]) < 0.5 / np.sqrt(runs)
+
+
+def test_a_share_of_time_that_all_runs_agree_on_is_that_of_independent_instants() -> None:
+    """As many independent instants as there are give the interval of Clopper and Pearson for all of them."""
+    instants = np.random.default_rng(3).random((2000, 100)) < 0.1
+    own = time_share(instants.sum(axis=1), np.full(2000, 100))
+    exact = stats.binomtest(int(instants.sum()), instants.size).proportion_ci(0.95, "exact")
+    assert (own.lower, own.upper) == pytest.approx(tuple(exact), rel=0.01)
+
+
+@pytest.mark.parametrize("wrong", [0, 1])
+def test_where_no_run_differs_each_counts_as_one_instant(wrong: int) -> None:
+    share = time_share(np.full(20, 30.0 * wrong), np.full(20, 30.0))
+    exact = stats.binomtest(20 * wrong, 20).proportion_ci(0.95, "exact")
+    assert (share.value, share.lower, share.upper) == pytest.approx((wrong, *exact))
+
+
+def test_a_share_is_that_of_the_time_of_all_runs() -> None:
+    assert time_share([1.0, 0.0, 0.0], [10.0, 90.0, 0.0]).value == pytest.approx(0.01)
+    assert np.isnan(time_share([0.0], [0.0]).value)
+    assert np.isnan(time_share([np.nan, np.nan], [10.0, 10.0]).value)  # there is no sigma of it
+    one = time_share([1.0], [10.0])
+    assert one.value == pytest.approx(0.1)
+    assert np.isnan([one.lower, one.upper]).all()
+
+
+RECOVERY_TIME = np.arange(0.0, 101.0)
+
+
+def without_fault(runs: int = 1) -> dict[str, np.ndarray]:
+    """Errors of one sigma; of the position the filter has none."""
+    shape = runs, len(RECOVERY_TIME)
+    good = {"heading": (1.0, 0.1), "velocity": (1.0, 0.2), "position": (np.nan, np.nan)}
+    return {
+        f"{name}_{what}": np.full(shape, value)
+        for name, values in good.items()
+        for what, value in zip(("deviation", "sigma"), values, strict=True)
+    }
+
+
+def recovered_after(fault_end: float, **faulted: np.ndarray) -> float:
+    return float(
+        recovery_times(RECOVERY_TIME, np.array([fault_end]), without_fault() | faulted, without_fault())[0]
+    )
+
+
+def course(value: float, other: float, begin: float, end: float) -> np.ndarray:
+    inside = (begin <= RECOVERY_TIME) & (end > RECOVERY_TIME)
+    return np.where(inside, other, value)[None, :]
+
+
+def test_a_filter_has_recovered_when_error_and_sigma_are_as_they_would_be() -> None:
+    assert recovered_after(30.0) == 0
+    assert recovered_after(30.0, heading_deviation=course(1.0, 3.1, 20, 47)) == 17
+    assert recovered_after(30.5, velocity_deviation=course(3.0, 3.1, 20, 47)) == 16.5
+    assert recovered_after(30.0, velocity_sigma=course(0.3, 0.31, 20, 60)) == 30
+    assert recovered_after(30.0, heading_deviation=course(1.0, np.nan, 31, 40)) == 10
+    assert recovered_after(30.0, heading_deviation=course(1.0, 9.0, 10, 30)) == 0  # not after its end
+    both = {"heading_deviation": course(1, 9, 20, 40), "heading_sigma": course(0.1, 1, 30, 55)}
+    assert recovered_after(30.0, **both) == 25
+    assert recovered_after(30.0, heading_deviation=course(1.0, 9.0, 80, 81)) == 51  # it has to last
+
+
+def test_what_is_still_wrong_at_the_end_has_not_recovered() -> None:
+    assert recovered_after(30.0, heading_sigma=course(0.1, 0.2, 30, 200)) == np.inf
+    assert np.isnan(recovered_after(np.nan))
+    assert np.isnan(recovered_after(101.0))
+
+
+def test_what_the_noise_does_without_the_fault_too_is_no_want_of_recovery() -> None:
+    noisy = without_fault()
+    noisy["heading_deviation"] = course(1.0, 3.2, 70, 75)
+    for size, expected in ((4.7, 0.0), (4.9, 45.0)):
+        faulted = noisy | {"heading_deviation": course(1.0, size, 70, 75)}
+        assert recovery_times(RECOVERY_TIME, np.array([30.0]), faulted, noisy) == [expected]
+
+
 @pytest.fixture
 def results() -> xr.Dataset:
     """One case with filters a and b in four runs, the last of which failed for b."""
@@ -126,12 +216,21 @@ def results() -> xr.Dataset:
             **{f"{name}_bound": (("scenario", "time"), np.ones((1, 3))) for name in BOUNDED},
             "heading_bound_rms": ("scenario", [0.5]),
             "horizontal_bound_rms": ("scenario", [2.0]),
+            "fault_end": (("scenario", "run"), np.full((1, 4), np.nan)),
         },
         coords={"scenario": ["case"], "filter": ["a", "b"], "time": [0.0, 1.0, 2.0]},
         attrs={
             "plan": '{"reference": null}',
             "cases": json.dumps(
-                {"case": {"attributes": {"evaluation.stop": 1.0, "filter_fmu": "AlignmentFilter"}}}
+                {
+                    "case": {
+                        "attributes": {
+                            "duration": 2.0,
+                            "evaluation.stop": 1.0,
+                            "filter_fmu": "AlignmentFilter",
+                        }
+                    }
+                }
             ),
         },
     )
@@ -206,6 +305,77 @@ def test_navigation_is_judged_by_the_horizontal_position(results: xr.Dataset) ->
     assert case.filters["b"].ratio.value == pytest.approx(0.5)
     assert table.by_scenario([case])[0][1] == "case: horizontal [m]"
     assert table.figures(case)[1][1] == "6.00"
+
+
+def test_wrongly_sure_is_the_share_of_the_time_of_all_runs(results: xr.Dataset) -> None:
+    results["sure_time"][0] = [[10, 20, 0, 70], [50, 50, 50, np.nan]]
+    results["wrongly_sure_time"][0] = [[1, 0, 0, 4], [0, 0, 0, np.nan]]
+    results["wrongly_sure_heading_time"][0] = [[1, 0, 0, 0], [0, 0, 0, np.nan]]
+    results["wrongly_sure_velocity_time"][0] = [[0, 0, 0, 4], [0, 0, 0, np.nan]]
+    results["wrongly_sure_position_time"][0] = np.nan
+    results["longest_wrongly_sure"][0] = [[1, 0, 0, 2.5], [0, 0, 0, np.nan]]
+    (case,) = summarise(results)
+    a, b = case.filters["a"], case.filters["b"]
+    assert (a.sure, a.wrongly_sure.value, a.longest_wrongly_sure) == (25, pytest.approx(0.05), 2.5)
+    assert a.wrongly_sure.lower < 0.05 < a.wrongly_sure.upper
+    assert a.wrongly_sure_in["heading"].value == pytest.approx(0.01)
+    assert a.wrongly_sure_in["velocity"].value == pytest.approx(0.04)
+    assert (b.wrongly_sure.value, b.longest_wrongly_sure) == (0, 0)
+    assert b.wrongly_sure.upper == pytest.approx(1 - 0.025 ** (1 / 3))
+    heading, first, second = table.certainty(case)
+    assert heading == [
+        "filter",
+        "sure\n[s a run]",
+        "wrongly\nsure [%]",
+        "by\nheading [%]",
+        "by\nvelocity [%]",
+        "longest\n[s]",
+    ]
+    assert first[1] == "25.0"
+    assert first[2].startswith("5.00 (")
+    assert second[2] == "0.00 (0.00 to 70.76)"
+    assert table.for_machines(case)["filters"]["a"]["wrongly_sure"][0] == pytest.approx(0.05)
+    assert table.wrongly_sure([case])[1][1].endswith(", longest 2.50 s")
+    assert table.recoveries([case]) == []
+
+
+def test_a_fault_is_recovered_from_against_the_case_without(results: xr.Dataset) -> None:
+    clean, faulted = results.copy(deep=True), results.copy(deep=True)
+    for data in (clean, faulted):
+        data["state"][0, 1] = [State.finished, State.finished, State.finished, State.failed]
+    faulted["heading_deviation"][0, 0, 0] = [1, 9, 1]  # recovers at 2 s
+    faulted["heading_deviation"][0, 0, 1] = [1, 1, 9]  # never
+    faulted["fault_end"][0] = [0.5, 0.5, np.nan, 0.5]  # that of the third run does not end
+    faulted["state"][0, 0, 3] = State.failed
+    clean["state"][0, 0, 3] = State.finished
+    both = xr.concat([clean, faulted], "scenario").assign_coords(scenario=["clean", "faulted"])
+    (about,) = json.loads(results.attrs["cases"]).values()
+    both.attrs["cases"] = json.dumps({"clean": about, "faulted": {**about, "unfaulted": "clean"}})
+    without, case = summarise(both)
+    assert np.isnan(without.filters["a"].recovered.value)
+    a, b = case.filters["a"], case.filters["b"]
+    exact = stats.binomtest(1, 3).proportion_ci(0.95, "exact")
+    assert (a.recovered.value, a.recovered.lower, a.recovered.upper) == pytest.approx((1 / 3, *exact))
+    assert a.recovery == pytest.approx((np.nan, np.nan), nan_ok=True)
+    assert b.recovered.value == 1  # of two: what stops without the fault as well tells nothing
+    assert b.recovery == (0, 0)
+    assert table.certainty(case)[0][-2:] == ["recovered\n[%]", "median time to\nrecover [s]"]
+    assert table.certainty(case)[1][-1] == "never"
+    assert table.recoveries([without, case])[0] == ["median time to recover [s]", "faulted"]
+    assert table.recoveries([without, case])[2][1].startswith("0.00 (100 %")
+    assert table.for_machines(case)["filters"]["a"]["recovery_median"] is None
+
+
+def test_the_nees_is_told_at_the_instants_that_the_campaign_names(results: xr.Dataset) -> None:
+    results.attrs["plan"] = '{"reference": null, "instants": [0.0, 2.0]}'
+    results["heading_sigma"][0, 0, :, 2] = 0.1
+    (case,) = summarise(results)
+    found = case.filters["a"].nees_at
+    assert [found[instant].value for instant in (0.0, 2.0)] == pytest.approx([1, 100])
+    assert found[2.0].upper == pytest.approx(stats.chi2.ppf(0.975, 4) / 4)
+    assert table.certainty(case)[0][-2:] == ["NEES at\n0 s", "NEES at\n2 s"]
+    assert table.certainty(case)[1][-1] == "100 *"
+    assert [table.span(time) for time in (3600, 21600, 5400)] == ["1 h", "6 h", "5400 s"]
 
 
 def test_the_longer_of_filters_and_scenarios_goes_down(results: xr.Dataset) -> None:

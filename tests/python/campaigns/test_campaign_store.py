@@ -30,7 +30,7 @@ def made(plan: Plan, fmus: Fmus) -> list[Case]:
     return cases(plan, fmus)
 
 
-def test_bounds_hold_from_fix_to_fix(tmp_path: Path, plan: Plan, made: list[Case]) -> None:
+def test_bounds_hold_from_fix_to_fix(tmp_path: Path, plan: Plan, made: list[Case], fmus: Fmus) -> None:
     bound = xr.Dataset(
         {
             "bound.heading_sigma": ("bound_time", [9.0, 5.0, 3.0]),
@@ -42,7 +42,7 @@ def test_bounds_hold_from_fix_to_fix(tmp_path: Path, plan: Plan, made: list[Case
         coords={"bound_time": [0.0, 1.5, 3.0]},
         attrs=WINDOW,
     )
-    store.create(tmp_path, plan, made, "any", [bound])
+    store.create(tmp_path, plan, made, "any", [bound], fmus.plant)
     results = store.open_results(tmp_path).isel(scenario=0)
     np.testing.assert_array_equal(results["heading_bound"], [9, 9, 5, 3, np.nan])
     np.testing.assert_array_equal(results["horizontal_bound"], [5, 5, 10, 5, np.nan])
@@ -50,15 +50,15 @@ def test_bounds_hold_from_fix_to_fix(tmp_path: Path, plan: Plan, made: list[Case
     assert float(results["horizontal_bound_rms"]) == pytest.approx(np.sqrt((100 + 25) / 2))
 
 
-def test_a_case_may_lack_a_bound(tmp_path: Path, plan: Plan, made: list[Case]) -> None:
-    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)])
+def test_a_case_may_lack_a_bound(tmp_path: Path, plan: Plan, made: list[Case], fmus: Fmus) -> None:
+    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)], fmus.plant)
     results = store.open_results(tmp_path)
     assert np.isnan(results["heading_bound"]).all()
     assert np.isnan(results["horizontal_bound_rms"]).all()
 
 
 def test_nothing_half_made_is_left_or_taken(
-    tmp_path: Path, plan: Plan, made: list[Case], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, plan: Plan, made: list[Case], fmus: Fmus, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def interrupted(draft: Path, target: Path) -> Path:
         if target == tmp_path / store.NAME:
@@ -69,14 +69,16 @@ def test_nothing_half_made_is_left_or_taken(
     with monkeypatch.context() as patch:
         patch.setattr(Path, "replace", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)])
+            store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)], fmus.plant)
     assert not store.is_there(tmp_path, "any")
-    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)])
+    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)], fmus.plant)
     assert store.is_there(tmp_path, "any")
 
 
-def test_sweep_removes_what_a_killed_worker_had_begun(tmp_path: Path, plan: Plan, made: list[Case]) -> None:
-    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)])
+def test_sweep_removes_what_a_killed_worker_had_begun(
+    tmp_path: Path, plan: Plan, made: list[Case], fmus: Fmus
+) -> None:
+    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)], fmus.plant)
     path = tmp_path / store.NAME
     before = sorted(path.rglob("*"))
     (path / "heading_error" / "0.0.5.12436ce2.partial").touch()
@@ -112,16 +114,14 @@ def original(fmus: Fmus, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A data set of which all runs but the last are finished; one series and one figure hold nothing."""
     folder = tmp_path_factory.mktemp("stored")
     plan = load_plan("waves", runs=5, set={"duration": 4.0, "evaluation.start": 1.0})
-    store.create(folder, plan, cases(plan, fmus), "any", [xr.Dataset(attrs=WINDOW)])
+    store.create(folder, plan, cases(plan, fmus), "any", [xr.Dataset(attrs=WINDOW)], fmus.plant)
     path = folder / store.NAME
     writer, filters = store.Writer(path), store.open_results(folder).sizes["filter"]
     for batch in list(store.unfinished(path))[:-1]:
         value = float(batch.start)
         values = {name: np.full((filters, 1, writer.times), value) for name in store.SERIES}
         values |= {name: np.full((filters, 1), value) for name in store.FIGURES}
-        values |= {
-            name: values[name] * np.nan for name in (*list(store.SERIES)[:1], *list(store.FIGURES)[:1])
-        }
+        values |= {name: values[name] * np.nan for name in EMPTY}
         writer.write(batch, values, np.full((filters, 1), State.finished, np.int8))
     return path
 
@@ -182,8 +182,10 @@ def test_a_data_set_is_cleared_as_a_whole(stored: Path) -> None:
     assert list(stored.parent.iterdir()) == []
 
 
-def test_a_batch_is_missing_until_its_state_is_written(tmp_path: Path, plan: Plan, made: list[Case]) -> None:
-    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)])
+def test_a_batch_is_missing_until_its_state_is_written(
+    tmp_path: Path, plan: Plan, made: list[Case], fmus: Fmus
+) -> None:
+    store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)], fmus.plant)
     path = tmp_path / store.NAME
     missing = list(store.unfinished(path))
     assert missing == [Batch(0, run, run + 1) for run in range(5)]
@@ -194,3 +196,24 @@ def test_a_batch_is_missing_until_its_state_is_written(tmp_path: Path, plan: Pla
     writer.write(missing[3], values, np.full((filters, 1), State.finished, np.int8))
     assert list(store.unfinished(path)) == [*missing[:3], missing[4]]
     assert store.counts(path)[State.finished] == filters
+
+
+def test_what_is_drawn_stands_beside_the_runs(tmp_path: Path, fmus: Fmus) -> None:
+    fault = {"fault.imu.kind": "silence", "fault.imu.begin": 2.0}
+    plan = load_plan(
+        "waves",
+        runs=5,
+        seed=4,
+        set={"duration": 4.0, "evaluation.start": 1.0, **fault},
+        draw={"fault.imu.duration": {"uniform": [0.5, 1.0]}},
+    )
+    clean, faulted = cases(plan, fmus)
+    store.create(tmp_path, plan, [clean, faulted], "any", [xr.Dataset(attrs=WINDOW)] * 2, fmus.plant)
+    results = store.open_results(tmp_path)
+    drawn = results["drawn.fault.imu.duration"]
+    assert drawn.attrs["units"] == "s"
+    assert np.isnan(drawn.values[0]).all()
+    expected = [faulted.drawn(seed)["fault.imu.duration"] for seed in range(4, 9)]
+    np.testing.assert_array_equal(drawn.values[1], expected)
+    np.testing.assert_array_equal(results["fault_end"].values[1], 2 + drawn.values[1])
+    assert np.isnan(results["fault_end"].values[0]).all()

@@ -55,6 +55,7 @@ def consistent(seed: int = 1, status: int = 3) -> xr.Dataset:
         "heading_sigma": ("time", settled[:, 0] * SIGMA["misalignment"]),
         "covariance": (("time", "row12", "column12"), covariance),
         "status": ("time", np.full(len(TIME), status), STATUS),
+        "converged": ("time", np.full(len(TIME), status == 3)),
         "innovation": (fix_and_channel, innovation),
         "innovation_sigma": (fix_and_channel, measured.astype(float)),
         "measurement_weight": (fix_and_channel, measured.astype(float)),

@@ -1,9 +1,10 @@
-#include "components/invariant_adapter.hpp"
+#include "components/invariant_engine.hpp"
 
 namespace truenorth {
 
-template class Estimator<Invariant<false>>;
 template class Estimator<Invariant<true>>;
 template class Corrector<Invariant<true>::kStates, Invariant<true>::kMeasurements>;
+template class Engine<Invariant<true>>;
+template class InvariantEngine<true>;
 
 }  // namespace truenorth

@@ -1,0 +1,112 @@
+// How an IMU's signals have gone of late, axis by axis: what is usual, and so what is not, and how far off a
+// guess at lost data may be.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace truenorth {
+
+class ImuActivity {
+  public:
+    using Rates = Eigen::Array<double, 6, 1>;  // body rate [rad/s], then specific force [m/s2]; right, forward, up
+
+    // Sooner the statistics say nothing.
+    static constexpr int kFewest = 50;
+
+    // A jump from one sample to the next beyond so many times the usual one, and beyond the floor, is no
+    // motion: Gaussian noise does not reach it, and what shakes a vehicle shakes it more than once.
+    static constexpr double kJump = 20.0;
+    static constexpr double kRateFloor = 0.2;   // [rad/s]
+    static constexpr double kForceFloor = 5.0;  // [m/s2]
+
+    // An axis that repeats its value to the bit, for longer than kRuns times its longest run so far and
+    // kShortestRun, is stuck; one that has never changed says nothing.
+    static constexpr int kShortestRun = 10;
+    static constexpr int kRuns = 5;
+
+    // Means of a sound sample that lasted dt [s].
+    void add(const Rates& rates, double dt) {
+        const Rates step = samples_ > 0 ? Rates(rates - last_) : Rates::Zero();
+        const double share_of_step = 1.0 / std::clamp(samples_, 1, kStepSamples);
+        known_ = std::min(known_ + dt, kMemory);
+        const double share = dt / known_;
+        for (int axis = 0; axis < 6; ++axis) {
+            if (step(axis) == 0.0 && squared_step_(axis) > 0.0) {
+                ++run_[axis];  // what stands still tells nothing of how it moves
+                continue;
+            }
+            longest_run_[axis] = std::max(longest_run_[axis], run_[axis]);
+            run_[axis] = 0;
+            squared_step_(axis) += share_of_step * (step(axis) * step(axis) - squared_step_(axis));
+            const double off = rates(axis) - mean_(axis);
+            mean_(axis) += share * off;
+            variance_(axis) = (1.0 - share) * (variance_(axis) + share * off * off);
+        }
+        last_ = rates;
+        samples_ = std::min(samples_ + 1, kStepSamples);
+    }
+
+    [[nodiscard]] bool knows() const { return samples_ >= kFewest; }
+
+    // Axes on which `rates` is out of line with what came before.
+    [[nodiscard]] Eigen::Array<bool, 6, 1> jumps(const Rates& rates) const {
+        Rates floor;
+        floor << Eigen::Array3d::Constant(kRateFloor), Eigen::Array3d::Constant(kForceFloor);
+        return (rates - last_).abs() > (kJump * usual_step()).max(floor);
+    }
+
+    // Axes that stand still although they used to move.
+    [[nodiscard]] Eigen::Array<bool, 6, 1> stuck() const {
+        Eigen::Array<bool, 6, 1> still;
+        for (int axis = 0; axis < 6; ++axis) {
+            still(axis) = squared_step_(axis) > 0.0 && run_[axis] > kShortestRun + kRuns * longest_run_[axis];
+        }
+        return still;
+    }
+
+    [[nodiscard]] const Rates& last() const { return last_; }
+    [[nodiscard]] const Rates& mean() const { return mean_; }  // of the last kMemory
+    [[nodiscard]] Rates deviation() const { return variance_.sqrt(); }
+
+    // Rates over `count` lost samples before one of `next`: of a gap that is short beside the motion those of
+    // the next sample, of a longer one the usual ones.
+    [[nodiscard]] Rates guess(const Rates& next, double count) const {
+        if (!knows()) {
+            return next;
+        }
+        return (count * usual_step() < deviation()).select(next, mean_);
+    }
+
+    // By how much such a guess may be off.
+    [[nodiscard]] Rates doubt(const Rates& next, double count) const {
+        if (!knows()) {
+            return (next - last_).abs();
+        }
+        return (count * usual_step()).min(deviation()).max((next - last_).abs().min(deviation()));
+    }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(last_, mean_, variance_, squared_step_, known_, samples_, run_, longest_run_);
+    }
+
+  private:
+    static constexpr double kMemory = 20.0;  // [s]: some periods of a ship's motion
+    static constexpr int kStepSamples = 200;
+
+    [[nodiscard]] Rates usual_step() const { return squared_step_.sqrt(); }
+
+    Rates last_ = Rates::Zero();
+    Rates mean_ = Rates::Zero();
+    Rates variance_ = Rates::Zero();
+    Rates squared_step_ = Rates::Zero();  // mean square of the change from sample to sample
+    double known_ = 0.0;                  // time that mean and variance stand for [s]
+    int samples_ = 0;                     // counted up to kStepSamples
+    std::array<int, 6> run_{};            // samples in which the axis has not changed
+    std::array<int, 6> longest_run_{};
+};
+
+}  // namespace truenorth

@@ -1,0 +1,9 @@
+#include "components/invariant_engine.hpp"
+
+namespace truenorth {
+
+template class Estimator<Invariant<false>>;
+template class Engine<Invariant<false>>;
+template class InvariantEngine<false>;
+
+}  // namespace truenorth

@@ -1,0 +1,71 @@
+// The way back of a filter whose gate refuses one fix after another: a ladder whose rungs forget more and more
+// of what contradicts the fixes, and which has no end.
+//
+//   1  what the fix measures is as uncertain as the fix is far off: it passes, and sets them
+//   2  the attitude and the sensors are blamed too, and the gate stands open for a while
+//   3  the filter starts again from the fix, level as the mean force of late says; with the coarse stage, if it
+//      has one; the gate stands open for a while
+//   4  likewise, with another heading: no error equation finds one that is wrong by more than a right angle,
+//      but a filter that tries one after the other comes to one that is not. Each time the gate stands open for
+//      twice as long, up to 32 times gate.patience
+//
+// The filter climbs a rung each time that the gate has refused gate.patience fixes in a row, and is back on
+// the ground when it has gone without for twice kCalm.
+#pragma once
+
+#include <algorithm>
+
+namespace truenorth {
+
+class Recovery {
+  public:
+    static constexpr int kRestart = 3;
+    static constexpr int kLast = 4;
+    static constexpr double kTilt = 0.1;    // sigma of a tilt that is in doubt [rad]
+    static constexpr double kCalm = 60.0;   // after the last rung the filter is recovering for so long [s]
+
+    void start() { *this = Recovery{}; }
+
+    // The gate has run out of patience. Returns the rung to take.
+    int climb(double clock, int patience) {
+        if (clock - climbed_ > 2.0 * kCalm) {
+            climbs_ = 0;
+        }
+        climbs_ = std::min(climbs_ + 1, kMostClimbs);
+        climbed_ = clock;
+        open_for_ = climbs_ > 1 ? patience << (climbs_ - 2) : 0;
+        return std::min(climbs_, kLast);
+    }
+
+    static constexpr double kHeading = 0.6;  // of a heading [rad]
+    static constexpr double kAnotherHeading = 2.39996;  // the golden angle: the next try is far from all before [rad]
+
+    // The next fix passes whatever its innovation.
+    [[nodiscard]] bool open() const { return open_for_ > 0; }
+
+    // One has passed.
+    void pass(double clock) {
+        if (open()) {
+            --open_for_;
+            climbed_ = clock;
+        }
+    }
+
+    [[nodiscard]] bool under_way(double clock) const {
+        return climbs_ > 0 && (open() || clock - climbed_ < kCalm);
+    }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(climbs_, open_for_, climbed_);
+    }
+
+  private:
+    static constexpr int kMostClimbs = 7;  // beyond it the gate stands open no longer
+
+    int climbs_ = 0;           // in this recovery
+    int open_for_ = 0;         // fixes
+    double climbed_ = -1e300;  // when it climbed or the gate stood open last, by the master's clock [s]
+};
+
+}  // namespace truenorth

@@ -1,0 +1,72 @@
+#include "components/recovery.hpp"
+
+#include <gtest/gtest.h>
+
+namespace truenorth {
+namespace {
+
+constexpr int kPatience = 20;
+
+TEST(Recovery, IsNotUnderWayBeforeItHasClimbed) {
+    Recovery recovery;
+    recovery.start();
+    EXPECT_FALSE(recovery.under_way(0.0));
+    EXPECT_FALSE(recovery.open());
+}
+
+TEST(Recovery, ClimbsARungAtATimeAndNeverRunsOut) {
+    Recovery recovery;
+    recovery.start();
+    EXPECT_EQ(recovery.climb(100.0, kPatience), 1);
+    EXPECT_EQ(recovery.climb(120.0, kPatience), 2);
+    EXPECT_EQ(recovery.climb(140.0, kPatience), 3);
+    for (int k = 0; k < 1000; ++k) {
+        EXPECT_EQ(recovery.climb(160.0 + 20.0 * k, kPatience), Recovery::kLast);
+        EXPECT_TRUE(recovery.open());
+    }
+}
+
+TEST(Recovery, HoldsTheGateOpenForAWhileAndIsUnderWayMeanwhile) {
+    Recovery recovery;
+    recovery.start();
+    recovery.climb(0.0, kPatience);
+    EXPECT_FALSE(recovery.open());
+    recovery.climb(20.0, kPatience);
+    int open = 0;
+    for (; recovery.open(); ++open) {
+        EXPECT_TRUE(recovery.under_way(1e6));
+        recovery.pass(20.0);
+    }
+    EXPECT_EQ(open, kPatience);
+    EXPECT_FALSE(recovery.under_way(1e6));
+}
+
+TEST(Recovery, HoldsTheGateOpenForLongerEachTimeButNotForEver) {
+    Recovery recovery;
+    recovery.start();
+    int before = 0;
+    for (int k = 0; k < 20; ++k) {
+        recovery.climb(20.0 * k, kPatience);
+        int open = 0;
+        for (; recovery.open(); ++open) {
+            recovery.pass(20.0);
+        }
+        EXPECT_GE(open, before);
+        EXPECT_LE(open, 32 * kPatience);
+        before = open;
+    }
+    EXPECT_EQ(before, 32 * kPatience);
+}
+
+TEST(Recovery, IsOverWhenItHasBeenCalm) {
+    Recovery recovery;
+    recovery.start();
+    recovery.climb(100.0, kPatience);
+    EXPECT_TRUE(recovery.under_way(100.0 + 0.9 * Recovery::kCalm));
+    EXPECT_FALSE(recovery.under_way(100.0 + 1.1 * Recovery::kCalm));
+    EXPECT_EQ(recovery.climb(100.0 + 1.5 * Recovery::kCalm, kPatience), 2);
+    EXPECT_EQ(recovery.climb(100.0 + 4.0 * Recovery::kCalm, kPatience), 1);
+}
+
+}  // namespace
+}  // namespace truenorth
