@@ -18,8 +18,8 @@ ZIG       := ziglang==0.17.1
 # Tools of the environment first (cmake, ninja, clang-tidy), whatever the machine has besides.
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-CPP_SOURCES  = $(shell git ls-files 'fmu_src/*.cpp' 'tests/cpp/*.cpp')
-CPP_FILES    = $(CPP_SOURCES) $(shell git ls-files 'fmu_src/*.hpp' 'tests/cpp/*.hpp')
+CPP_SOURCES  = $(shell git ls-files 'fmu_src/*.cpp' 'tests/cpp/*.cpp' 'tests/fuzz/*.cpp')
+CPP_FILES    = $(CPP_SOURCES) $(shell git ls-files 'fmu_src/*.hpp' 'tests/cpp/*.hpp' 'tests/fuzz/*.hpp')
 
 help:  ## List the commands
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)

@@ -72,8 +72,8 @@ class Weaving {
 };
 
 TEST(HeadingFinder, TellsAnyAngleWithinItsSigma) {
-    // Normalised errors of 8 angles x 10 seeds, mean square: at most 1.6 with 99.9 % confidence. The sigma is on
-    // the safe side: noise of neighbouring differences cancels where the motion is slow.
+    // Normalised errors of 8 angles x 10 seeds, mean square: at most 1.6 with 99.9 % confidence. The sigma is
+    // on the safe side: noise of neighbouring differences cancels where the motion is slow.
     double sum = 0.0;
     for (int a = 0; a < 8; ++a) {
         for (unsigned seed = 1; seed <= 10; ++seed) {

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from distributed import Client, LocalCluster
+from distributed import LocalCluster
 
 from sim_scenarios.campaigns import campaign, execution, load_plan, store
 from sim_scenarios.campaigns.execution import Progress
@@ -142,11 +142,8 @@ def test_a_worker_with_other_fmus_is_refused(fmus: Fmus, tmp_path: Path) -> None
     made = cases(plan, fmus)
     store.create(tmp_path, plan, made, "any", [bound(case, fmus) for case in made], fmus.plant)
     others = {"TruthPlant": "another", "AlignmentFilter": fmus.filter.guid}
-    with (
-        Client(processes=False, n_workers=1, dashboard_address="127.0.0.1:0") as client,
-        pytest.raises(InputError, match="a worker has other FMUs"),
-    ):
-        execution.execute(client, tmp_path / store.NAME, plan, made, Master.auto, others)
+    with execution.workers(1, None) as workers, pytest.raises(InputError, match="a worker has other FMUs"):
+        execution.execute(workers, tmp_path / store.NAME, plan, made, Master.auto, others)
 
 
 def test_a_scheduler_without_workers(fmus: Fmus, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -121,9 +121,7 @@ def original(fmus: Fmus, tmp_path_factory: pytest.TempPathFactory) -> Path:
         value = float(batch.start)
         values = {name: np.full((filters, 1, writer.times), value) for name in store.SERIES}
         values |= {name: np.full((filters, 1), value) for name in store.FIGURES}
-        values |= {
-            name: values[name] * np.nan for name in (*list(store.SERIES)[:1], *list(store.FIGURES)[:1])
-        }
+        values |= {name: values[name] * np.nan for name in EMPTY}
         writer.write(batch, values, np.full((filters, 1), State.finished, np.int8))
     return path
 
