@@ -28,6 +28,10 @@ class ImuActivity {
     static constexpr int kShortestRun = 10;
     static constexpr int kRuns = 5;
 
+    // An axis whose usual step is smaller has no noise of a sensor, but rounding.
+    static constexpr double kSmallestRate = 1e-9;   // [rad/s]
+    static constexpr double kSmallestForce = 1e-8;  // [m/s2]
+
     // Means of a sound sample that lasted dt [s].
     void add(const Rates& rates, double dt) {
         const Rates step = samples_ > 0 ? Rates(rates - last_) : Rates::Zero();
@@ -63,7 +67,9 @@ class ImuActivity {
     [[nodiscard]] Eigen::Array<bool, 6, 1> stuck() const {
         Eigen::Array<bool, 6, 1> still;
         for (int axis = 0; axis < 6; ++axis) {
-            still(axis) = squared_step_(axis) > 0.0 && run_[axis] > kShortestRun + kRuns * longest_run_[axis];
+            const double smallest = axis < 3 ? kSmallestRate : kSmallestForce;
+            still(axis) = squared_step_(axis) > smallest * smallest &&
+                          run_[axis] > kShortestRun + kRuns * longest_run_[axis];
         }
         return still;
     }

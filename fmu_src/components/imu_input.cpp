@@ -191,6 +191,9 @@ bool ImuInput::spans(double passed, double delta_velocity, double parts) const {
     if (!activity_.knows()) {
         return parts < kGap;
     }
+    if (finding_ == Finding::no_increment) {
+        return false;  // of rates, too, the force of a longer interval would be plausible
+    }
     const double force = activity_.mean().tail<3>().matrix().norm();
     return delta_velocity > force * std::sqrt(passed * period_);
 }

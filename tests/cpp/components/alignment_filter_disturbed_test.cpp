@@ -195,27 +195,6 @@ TEST(AlignmentFilterGate, IsOpenedForAStartBeyondItsPrior) {
     }
 }
 
-TEST(AlignmentFilterFault, EndsWithTheNextSoundFix) {
-    // A noise that makes the covariance overflow, and is taken back.
-    using Status = alignment_filter::Status;
-    FedFilter fed;
-    const Trial run;
-    run.seconds(fed, 100.0);
-    const double noise = fed.filter.parameters.process.angle_random_walk;
-    fed.filter.parameters.process.angle_random_walk = 1e200;
-    fed.filter.retune();
-    run.advance(fed, 100 * kRate, 102 * kRate);
-    ASSERT_EQ(fed.filter.outputs.status, Status::faulted);
-    fed.filter.parameters.process.angle_random_walk = noise;
-    fed.filter.retune();
-    run.advance(fed, 102 * kRate, 110 * kRate);
-    EXPECT_NE(fed.filter.outputs.status, Status::faulted);
-    EXPECT_EQ(fed.log.with("starts over"), 1);
-    run.advance(fed, 110 * kRate, 900 * kRate);
-    EXPECT_EQ(fed.filter.outputs.status, Status::converged);
-    EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 3.0 * fed.filter.outputs.heading_sigma);
-}
-
 TEST(AlignmentFilterStart, FarFromTheFirstFixIsQuestioned) {
     for (const double distance : {9e3, 11e3}) {
         FedFilter fed;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <random>
 
+#include "components/filter_outputs.hpp"
 #include "components/invalid_parameter.hpp"
 #include "session.hpp"
 
@@ -107,7 +108,10 @@ TEST(AlignmentFilterCovariance, IsThatOfTheOutputsWithAndWithoutFeedback) {
     const auto scale = expected.covariance.diagonal().cwiseSqrt().cwiseInverse().eval();
     const auto difference = (outputs.covariance - expected.covariance).eval();
     EXPECT_LT((scale.asDiagonal() * difference * scale.asDiagonal()).cwiseAbs().maxCoeff(), 0.05);
-    EXPECT_EQ(outputs.heading_sigma, std::sqrt(outputs.covariance(2, 2)));
+    const Eigen::Matrix3d C_bn =
+        dcm({.roll = outputs.nav.roll, .pitch = outputs.nav.pitch, .heading = outputs.nav.heading});
+    const Eigen::Matrix3d attitude = outputs.covariance.topLeftCorner<3, 3>();
+    EXPECT_NEAR(outputs.heading_sigma, heading_sigma(attitude, Eigen::Quaterniond(C_bn)), 1e-12);
 }
 
 TEST(AlignmentFilterLatency, OfAFixCostsNoMoreThanTheVelocityThatWasGainedMeanwhile) {

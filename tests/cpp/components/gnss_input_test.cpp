@@ -14,7 +14,7 @@ constexpr GnssInput::Moment kTen{.now = 10.0, .offset = 0.0, .slack = 0.0};
 GnssFix fix_at(double time) {
     return {.time = time,
             .position = {.latitude = 0.5, .longitude = 2.0, .height = 100.0},
-            .velocity = {1.0, 2.0, 0.0}};
+            .velocity = {1.0 + 1e-3 * time, 2.0, 0.0}};  // no two alike
 }
 
 TEST(GnssInput, AcceptsAPlausibleFixOnce) {
@@ -91,17 +91,19 @@ TEST(GnssInput, ARejectedFixDoesNotHoldBackTheNext) {
 
 TEST(GnssInput, RejectsAReceiverThatHangsButNotOneThatStands) {
     GnssInput gnss;
-    EXPECT_EQ(gnss.read(1, fix_at(1.0), kTen), Verdict::accepted);
-    EXPECT_EQ(gnss.read(2, fix_at(2.0), kTen), Verdict::frozen);
-    GnssFix other = fix_at(3.0);
-    other.velocity.x() += 1e-9;
-    EXPECT_EQ(gnss.read(3, other, kTen), Verdict::accepted);
+    GnssFix fix = fix_at(1.0);
+    EXPECT_EQ(gnss.read(1, fix, kTen), Verdict::accepted);
+    fix.time = 2.0;
+    EXPECT_EQ(gnss.read(2, fix, kTen), Verdict::frozen);
+    fix.time = 3.0;
+    fix.velocity.x() += 1e-9;
+    EXPECT_EQ(gnss.read(3, fix, kTen), Verdict::accepted);
 
     GnssInput standing;
     for (int k = 1; k <= 3; ++k) {
-        GnssFix fix = fix_at(k);
-        fix.velocity.setZero();
-        EXPECT_EQ(standing.read(k, fix, kTen), Verdict::accepted);
+        GnssFix resting = fix_at(k);
+        resting.velocity.setZero();
+        EXPECT_EQ(standing.read(k, resting, kTen), Verdict::accepted);
     }
 }
 

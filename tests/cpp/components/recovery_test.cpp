@@ -49,7 +49,7 @@ TEST(Recovery, HoldsTheGateOpenForLongerEachTimeButNotForEver) {
         recovery.climb(20.0 * k, kPatience);
         int open = 0;
         for (; recovery.open(); ++open) {
-            recovery.pass(20.0);
+            recovery.pass(20.0 * k);
         }
         EXPECT_GE(open, before);
         EXPECT_LE(open, 32 * kPatience);
