@@ -78,7 +78,8 @@ ImuInput::Finding ImuInput::judge(const Rates& rates, double covered) {
         return Finding::impossible;
     }
     const Rates& usual = activity_.knows() ? activity_.mean() : rates;
-    if (usual.tail<3>().matrix().norm() <= kLargestMeanForce) {
+    if (usual.tail<3>().matrix().norm() <= kLargestMeanForce ||
+        rates.tail<3>().matrix().norm() <= kLargestMeanForce) {
         return Finding::none;
     }
     if (activity_.knows()) {

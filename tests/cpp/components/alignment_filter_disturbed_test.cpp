@@ -161,6 +161,15 @@ TEST(AlignmentFilterConsistency, IsContradictedByGrossErrorsUntilTheyAreOutOfThe
     run.seconds(gated, 360.0);
     EXPECT_EQ(gated.filter.outputs.status, Status::converged);
 
+    // Smaller ones, each of which its covariance explains: only the limit of the window finds them.
+    run.fix_noise = [](int second) {
+        return Vector3d(second > 300 && second <= 360 && second % 3 == 0 ? 0.37 : 0.0, 0.0, 0.0);
+    };
+    FedFilter limited;
+    limited.filter.parameters.gate.enabled = false;
+    limited.filter.parameters.consistency.limit = 2.0;
+    run.seconds(limited, 360.0);
+    EXPECT_EQ(limited.filter.outputs.status, Status::inconsistent);
     FedFilter unlimited;
     unlimited.filter.parameters.gate.enabled = false;
     unlimited.filter.parameters.consistency.limit = 1e9;

@@ -63,7 +63,9 @@ TEST(GnssInput, RejectsPlacesAndSpeedsThatAreImpossible) {
 TEST(GnssInput, RejectsTimeThatDoesNotAdvance) {
     GnssInput gnss;
     gnss.read(1, fix_at(5.0), kTen);
-    EXPECT_EQ(gnss.read(2, fix_at(5.0), kTen), Verdict::backwards);
+    GnssFix again = fix_at(5.0);
+    again.velocity.y() += 1.0;
+    EXPECT_EQ(gnss.read(2, again, kTen), Verdict::backwards);
     EXPECT_EQ(gnss.read(3, fix_at(4.0), kTen), Verdict::backwards);
     EXPECT_EQ(gnss.read(4, fix_at(5.1), kTen), Verdict::accepted);
 }
