@@ -142,7 +142,7 @@ void InertialFilter<Interface, Engines...>::reject_fix(Refusal refusal) {
     outputs.measurement_weight.setZero();
     if (log_->listens() && told_fixes_.tell(static_cast<int>(refusal), clock_)) {
         log_->event(text("fix ", inputs.gnss.sample, " (gnss.time = ", inputs.gnss.time,
-                         " s) rejected: ", reason(refusal), and_others(told_fixes_.omitted())));
+                         " s) rejected: ", reason(refusal), and_others(told_fixes_.omitted()).c_str()));
     }
 }
 

@@ -254,7 +254,7 @@ void InertialFilter<Interface, Engines...>::tell_of(ImuInput::Verdict verdict) {
         const bool rejected = verdict == ImuInput::Verdict::rejected;
         log_->event(text("IMU sample ", port.sample, " (imu.time = ", port.time, " s) ",
                          rejected ? "rejected: " : "is suspect: ", reason(finding),
-                         and_others(told_samples_.omitted())));
+                         and_others(told_samples_.omitted()).c_str()));
     }
     if (verdict != ImuInput::Verdict::rejected && imu_.gap() > 0) {
         log_->event(text(imu_.gap(), " IMU sample(s) missed before imu.time = ", port.time, " s; bridged"));

@@ -18,6 +18,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 
 namespace truenorth {
 
@@ -25,6 +27,7 @@ class Recovery {
   public:
     static constexpr int kRestart = 3;
     static constexpr int kLast = 4;
+    static constexpr int kMostClimbs = 7;  // beyond it the gate stands open no longer
     static constexpr double kTilt = 0.1;   // sigma of a tilt that is in doubt [rad]
     static constexpr double kCalm = 60.0;  // after the last rung the filter is recovering for so long [s]
 
@@ -37,7 +40,8 @@ class Recovery {
         }
         climbs_ = std::min(climbs_ + 1, kMostClimbs);
         climbed_ = clock;
-        open_for_ = climbs_ > 1 ? patience << (climbs_ - 2) : 0;
+        constexpr std::array<int, kMostClimbs> times{0, 1, 2, 4, 8, 16, 32};
+        open_for_ = patience * times.at(static_cast<std::size_t>(climbs_ - 1));
         return std::min(climbs_, kLast);
     }
 
@@ -64,11 +68,10 @@ class Recovery {
     template <class Archive>
     void serialize(Archive& archive) {
         archive(climbs_, open_for_, climbed_);
+        climbs_ = std::clamp(climbs_, 0, kMostClimbs);  // whatever a damaged state says
     }
 
   private:
-    static constexpr int kMostClimbs = 7;  // beyond it the gate stands open no longer
-
     int climbs_ = 0;           // in this recovery
     int open_for_ = 0;         // fixes
     double climbed_ = -1e300;  // when it climbed or the gate stood open last, by the master's clock [s]

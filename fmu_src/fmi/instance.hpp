@@ -149,8 +149,10 @@ void read_cell(const void* cell, External* values, std::size_t count) {
     if constexpr (std::same_as<T, External>) {
         std::memcpy(values, cell, count * sizeof(T));
     } else {
+        const std::span<const T> from(static_cast<const T*>(cell), count);
+        const std::span<External> to(values, count);
         for (std::size_t i = 0; i < count; ++i) {
-            values[i] = static_cast<External>(static_cast<const T*>(cell)[i]);
+            to[i] = static_cast<External>(from[i]);
         }
     }
 }
@@ -160,8 +162,10 @@ void write_cell(void* cell, const External* values, std::size_t count) {
     if constexpr (std::same_as<T, External>) {
         std::memcpy(cell, values, count * sizeof(T));
     } else {
+        const std::span<const External> from(values, count);
+        const std::span<T> to(static_cast<T*>(cell), count);
         for (std::size_t i = 0; i < count; ++i) {
-            static_cast<T*>(cell)[i] = static_cast<T>(values[i]);
+            to[i] = static_cast<T>(from[i]);
         }
     }
 }
@@ -174,12 +178,11 @@ void Instance::get(std::span<const unsigned> references, Reach reach, std::span<
     if (progress_.phase == Phase::initialising && any_of(references, Causality::output)) {
         initialise();
     }
-    External* next = values.data();
     for (const unsigned reference : references) {
         const Cell& cell = cells_[reference];
         const std::size_t count = extent(cell, reach);
-        read_cell<T>(cell.address, next, count);
-        next += count;
+        read_cell<T>(cell.address, values.data(), count);
+        values = values.subspan(count);
     }
 }
 
@@ -191,12 +194,12 @@ void Instance::set(std::span<const unsigned> references, Reach reach, std::span<
         require_settable(cells_[reference].variable);
     }
     const auto store = [&] {
-        const External* next = values.data();
+        std::span<const External> left = values;
         for (const unsigned reference : references) {
             const Cell& cell = cells_[reference];
             const std::size_t count = extent(cell, reach);
-            write_cell<T>(cell.address, next, count);
-            next += count;
+            write_cell<T>(cell.address, left.data(), count);
+            left = left.subspan(count);
         }
     };
     if (running() && any_of(references, Causality::tunable)) {
