@@ -63,7 +63,7 @@ class AdaptiveFactor {
     void narrow(Matrix<N>& covariance) const {
         const Vector<N> sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
         const Vector<N> scale = (sigma.array() > widest.array()).select(widest.cwiseQuotient(sigma), 1.0);
-        covariance = (scale.asDiagonal() * covariance * scale.asDiagonal()).eval();
+        covariance.array() *= (scale * scale.transpose()).array();  // stays symmetric to the last digit
     }
 
     // The share of the innovation that its covariance explains; 1 where the test does not fire.
