@@ -89,6 +89,9 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
     // Covariance of the errors of the navigation state.
     void know(const Covariance& covariance);
 
+    // A covariance of the errors of the navigation state, as one of the model's states.
+    [[nodiscard]] Covariance in_states(const Covariance& covariance) const;
+
     // Position and velocity of a fix, with an attitude of which nothing is known.
     void place(const Eigen::Quaterniond& attitude, const typename M::Fix& fix);
 
@@ -159,8 +162,7 @@ Change InvariantEngine<coloured>::start_again(const Change& proposal, const Eige
 
 template <bool coloured>
 void InvariantEngine<coloured>::add_uncertainty(const Uncertainty& more) {
-    const Covariance J = M::navigation_errors(estimator.state);
-    estimator.covariance += J.transpose() * this->states_of(more) * J;
+    estimator.covariance += in_states(this->states_of(more));
     if (is_coarse()) {
         coarse_.doubt(more);
     }
@@ -233,9 +235,13 @@ Eigen::Vector3d InvariantEngine<coloured>::misalignment_sigma() const {
 
 template <bool coloured>
 void InvariantEngine<coloured>::know(const Covariance& covariance) {
-    const Covariance J = M::navigation_errors(estimator.state);
-    estimator.covariance = J.transpose() * covariance * J;
+    estimator.covariance = in_states(covariance);
     refresh();
+}
+
+template <bool coloured>
+auto InvariantEngine<coloured>::in_states(const Covariance& covariance) const -> Covariance {
+    return transformed<Base::kStates>(M::navigation_errors(estimator.state).transpose(), covariance);
 }
 
 template <bool coloured>
@@ -288,12 +294,12 @@ template <bool coloured>
 void InvariantEngine<coloured>::refresh() {
     const Covariance J = M::navigation_errors(estimator.state);
     to_navigation_ = J.template topLeftCorner<3, 3>();
-    covariance_ = J * estimator.covariance * J.transpose();
+    covariance_ = transformed<Base::kStates>(J, estimator.covariance);
     if constexpr (coloured) {
         covariance_.template middleRows<6>(M::kGyro) += covariance_.template middleRows<6>(M::kGyroMarkov);
         covariance_.template middleCols<6>(M::kGyro) += covariance_.template middleCols<6>(M::kGyroMarkov);
+        symmetrise(covariance_);
     }
-    symmetrise(covariance_);
 }
 
 template <bool coloured>

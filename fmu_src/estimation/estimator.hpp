@@ -88,10 +88,7 @@ void Estimator<M>::reset() {
 template <ErrorModel M>
 auto Estimator<M>::covariance_of_remaining() const -> Matrix<kStates> {
     if constexpr (Resettable<M>) {
-        const Matrix<kStates> G = model.reset_jacobian(state);
-        Matrix<kStates> remaining = G * covariance * G.transpose();
-        symmetrise(remaining);
-        return remaining;
+        return transformed<kStates>(model.reset_jacobian(state), covariance);
     } else {
         return covariance;
     }

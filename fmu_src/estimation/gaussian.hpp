@@ -108,4 +108,14 @@ void symmetrise(Matrix<N>& matrix) {
     matrix = 0.5 * (matrix + matrix.transpose()).eval();
 }
 
+// F P F^T of a covariance P, exactly symmetric. One product after the other: a compiler has less to do than
+// with all of them in one expression.
+template <int N>
+Matrix<N> transformed(const Matrix<N>& F, const Matrix<N>& P) {
+    const Matrix<N> carried = F * P;
+    Matrix<N> covariance = carried * F.transpose();
+    symmetrise(covariance);
+    return covariance;
+}
+
 }  // namespace truenorth

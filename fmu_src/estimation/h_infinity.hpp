@@ -21,7 +21,7 @@ namespace truenorth {
 
 template <int N>
 class HInfinity {
-    static_assert(N <= forgetting::kMostStates);
+    static_assert(N <= kMostStates);
 
   public:
     // Bounds what an update may forget: in units of `sigma`, no eigenvalue of the posterior grows beyond
@@ -41,7 +41,7 @@ class HInfinity {
         if (scale.isZero(0.0)) {
             return result;
         }
-        forgetting::Matrix posterior = result.covariance;
+        BoundedMatrix posterior = result.covariance;
         result.feasible =
             ceiling ? forgetting::forget_below(posterior, scale, gamma, ceiling->sigma, ceiling->limit)
                     : forgetting::forget(posterior, scale, gamma);

@@ -12,8 +12,8 @@ namespace truenorth {
 // are channels when the filter is consistent.
 template <int N, int M>
 double nis(const Innovation<N, M>& innovation) {
-    const Matrix<M> S = innovation.spread + innovation.noise;
-    return innovation.residual.dot(S.llt().solve(innovation.residual));
+    const Eigen::LLT<Matrix<M>> S(innovation.spread + innovation.noise);
+    return Vector<M>(S.matrixL().solve(innovation.residual)).squaredNorm();
 }
 
 struct InnovationGate {

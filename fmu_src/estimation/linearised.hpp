@@ -15,8 +15,7 @@ Matrix<M::kStates> carry(const M& model, typename M::State& state, Matrix<M::kSt
     if constexpr (requires { model.carried_covariance(covariance, F, interval); }) {
         covariance = model.carried_covariance(covariance, F, interval);
     } else {
-        covariance = F * covariance * F.transpose() + model.process_noise(state, interval);
-        symmetrise(covariance);
+        covariance = transformed<M::kStates>(F, covariance) + model.process_noise(state, interval);
     }
     move(model, state, interval);
     return F;

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <cmath>
+#include <optional>
 
+#include "estimation/bounded.hpp"
 #include "estimation/gaussian.hpp"
 
 namespace truenorth {
@@ -19,23 +19,22 @@ struct SquareRoot {
     bool valid = true;
 };
 
+// A of a finite covariance that is not positive definite; none if its eigenvalues are not found.
+std::optional<BoundedMatrix> root_of_nearest(const BoundedMatrix& covariance);
+
 template <int N>
 SquareRoot<N> square_root(const Matrix<N>& covariance) {
+    static_assert(N <= kMostStates);
     const Eigen::LLT<Matrix<N>> cholesky(covariance);
     if (cholesky.info() == Eigen::Success && covariance.allFinite()) {
         return {cholesky.matrixL()};
     }
-    if (!covariance.allFinite()) {
-        return {Matrix<N>::Zero(), false, false};
+    if (covariance.allFinite()) {
+        if (const auto root = root_of_nearest(covariance)) {
+            return {*root, true, true};
+        }
     }
-    // States differ by many orders of magnitude, so the repair happens on the correlation matrix.
-    const Vector<N> sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-    const Vector<N> inverse = sigma.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
-    const Eigen::SelfAdjointEigenSolver<Matrix<N>> eigen(inverse.asDiagonal() * covariance *
-                                                         inverse.asDiagonal());
-    const Vector<N> root = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-    return {sigma.asDiagonal() * eigen.eigenvectors() * root.asDiagonal(), true,
-            eigen.info() == Eigen::Success};
+    return {Matrix<N>::Zero(), false, false};
 }
 
 }  // namespace truenorth

@@ -29,7 +29,7 @@ TEST_P(AdaptiveCorrector, UnitFreeComparesStandardisedSquares) {
     int fired = 0;
     for (int i = 0; i < 200; ++i) {
         const RandomMeasurement c(random, 1.5);
-        const Matrix<kChannels> S = c.H * c.P * c.H.transpose() + Matrix<kChannels>(c.R.asDiagonal());
+        const Matrix<kChannels> S = c.S();
         double sum = 0.0;
         for (int j = 0; j < kChannels; ++j) {
             sum += c.residual(j) * c.residual(j) / S(j, j);
@@ -47,7 +47,7 @@ TEST_P(AdaptiveCorrector, PrintedComparesTraces) {
     int fired = 0;
     for (int i = 0; i < 200; ++i) {
         const RandomMeasurement c(random, 1.0);
-        const Matrix<kChannels> S = c.H * c.P * c.H.transpose() + Matrix<kChannels>(c.R.asDiagonal());
+        const Matrix<kChannels> S = c.S();
         const double trace = (c.residual * c.residual.transpose()).trace();
         const double alpha = trace > S.trace() ? S.trace() / trace : 1.0;
         fired += alpha < 1.0 ? 1 : 0;

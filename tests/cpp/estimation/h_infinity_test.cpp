@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,14 +17,12 @@ constexpr int kHeading = 4;
 using Square = Matrix<kStates>;
 
 // Zhou 2011, eqs. 7-11 in the form of the algorithm that follows them; R = I.
-Square transcription(const Square& P, const Matrix<kMeasurements, kStates>& H, const Square& L,
-                     double gamma) {
-    const Square I = Square::Identity();
-    const Matrix<kStates, kMeasurements> K =
-        P * H.transpose() *
-        Matrix<kMeasurements>(H * P * H.transpose() + Matrix<kMeasurements>::Identity()).inverse();
-    const Square B = -gamma * gamma * I + L * (I - K * H) * P * L.transpose();
-    const Square M = (I - K * H) * P * L.transpose() * B.inverse() * L;
+Dense transcription(const Dense& P, const Dense& H, const Dense& L, double gamma) {
+    const Dense I = Dense::Identity(kStates, kStates);
+    const Dense K =
+        P * H.transpose() * inverse(H * P * H.transpose() + Dense::Identity(kMeasurements, kMeasurements));
+    const Dense B = L * (I - K * H) * P * L - gamma * gamma * I;
+    const Dense M = (I - K * H) * P * L * inverse(B) * L;
     return P - (I - M) * K * H * P - M * P;
 }
 
@@ -43,8 +40,7 @@ struct Case {
     [[nodiscard]] Square standard() const { return Standard().correct(P, innovation()).covariance; }
     // The largest eigenvalue of L P_post L; feasible while it is below gamma^2.
     [[nodiscard]] double largest(const Vector<kStates>& L) const {
-        const Square scaled = L.asDiagonal() * standard() * L.asDiagonal();
-        return Eigen::SelfAdjointEigenSolver<Square>(scaled).eigenvalues()(kStates - 1);
+        return eigenvalues(standard().cwiseProduct(L * L.transpose()))(kStates - 1);
     }
     [[nodiscard]] Vector<kStates> heading_scale() const {
         return scale(kHeading) * Vector<kStates>::Unit(kHeading);
@@ -75,9 +71,9 @@ TEST_P(HInfinityCorrector, TakesInformationFromTheStandardPosterior) {
     for_random_cases([](const Case& c, const Vector<kStates>& L) {
         const double gamma = std::sqrt(2.0 * c.largest(L));
         const auto correction = HInfinity<kStates>{.gamma = gamma, .scale = L}.correct(c.P, c.innovation());
-        const Square weight = L.cwiseAbs2().asDiagonal();
-        const Square expected = Square(c.standard().inverse() - weight / (gamma * gamma)).inverse();
-        EXPECT_LT(relative_difference(correction.covariance, expected), 1e-10);
+        Dense information = inverse(c.standard());
+        information.diagonal() -= (L / gamma).cwiseAbs2();
+        EXPECT_LT(relative_difference(correction.covariance, inverse(information)), 1e-10);
         EXPECT_TRUE(correction.feasible);
         EXPECT_EQ(correction.gamma_effective, gamma);
     });
@@ -88,7 +84,8 @@ TEST_P(HInfinityCorrector, IsTheAlgorithmOfZhou2011InNoiseNormalisedUnits) {
         c.R.setIdentity();
         const double gamma = std::sqrt(1.5 * c.largest(L));
         const auto correction = HInfinity<kStates>{.gamma = gamma, .scale = L}.correct(c.P, c.innovation());
-        EXPECT_LT(relative_difference(correction.covariance, transcription(c.P, c.H, L.asDiagonal(), gamma)),
+        EXPECT_LT(relative_difference(correction.covariance,
+                                      transcription(c.P, c.H, Square(L.asDiagonal()), gamma)),
                   1e-10);
     });
 }
@@ -97,46 +94,46 @@ TEST_P(HInfinityCorrector, IsTheRiccatiEquationOfTheKreinSpace) {
     // Zhou 2011, eqs. 2-11 one by one; R = I. Every line of the derivation gives the same gain and
     // covariance.
     for_random_cases([](Case c, const Vector<kStates>& scale) {
-        using Gain = Matrix<kStates, kMeasurements>;
-        constexpr int kBoth = kMeasurements + kStates;
         c.R.setIdentity();
         const double gamma = std::sqrt(1.5 * c.largest(scale));
-        const Square I = Square::Identity();
-        const Square L = scale.asDiagonal();
-        const Square& P = c.P;
-        const auto& H = c.H;
+        const Dense I = Dense::Identity(kStates, kStates);
+        const Dense L = Square(scale.asDiagonal());
+        const Dense P = c.P;
+        const Dense H = c.H;
+        const Dense HT = H.transpose();
 
-        const Matrix<kMeasurements> A11 = H * P * H.transpose() + c.R;
-        const Matrix<kMeasurements, kStates> A12 = H * P * L.transpose();
-        const Square A22 = L * P * L.transpose() - gamma * gamma * I;
-        Matrix<kBoth> R_e;  // eq. 3
-        R_e << A11, A12, A12.transpose(), A22;
-        Matrix<kBoth, kStates> HL;
+        const Dense A11 = H * P * HT + Dense::Identity(kMeasurements, kMeasurements);
+        const Dense A12 = H * P * L;
+        const Dense A21 = A12.transpose();
+        const Dense A22 = L * P * L - gamma * gamma * I;
+        Dense R_e(kMeasurements + kStates, kMeasurements + kStates);  // eq. 3
+        R_e << A11, A12, A21, A22;
+        Dense HL(kMeasurements + kStates, kStates);
         HL << H, L;
-        const Matrix<kStates, kBoth> K_inf = P * HL.transpose() * Matrix<kBoth>(R_e.inverse());  // eq. 5
-        const Square posterior = (I - K_inf * HL) * P;                                           // eqs. 3, 4
-        const Gain K_Y = K_inf.leftCols<kMeasurements>();
-        const Square K_Z = K_inf.rightCols<kStates>();
+        const Dense K_inf = P * HL.transpose() * inverse(R_e);  // eq. 5
+        const Dense posterior = P - K_inf * HL * P;             // eqs. 3, 4
+        const Dense K_Y = K_inf.leftCols(kMeasurements);
+        const Dense K_Z = K_inf.rightCols(kStates);
 
-        const Matrix<kMeasurements> A11_inverse = A11.inverse();
-        const Square B22 = Square(A22 - A12.transpose() * A11_inverse * A12).inverse();  // theorem 1
-        const Matrix<kMeasurements, kStates> B12 = -A11_inverse * A12 * B22;
-        const Gain B21 = -B22 * A12.transpose() * A11_inverse;
-        const Matrix<kMeasurements> B11 = A11_inverse - B12 * A12.transpose() * A11_inverse;
-        EXPECT_LT(relative_difference(Gain(P * (H.transpose() * B11 + L * B21)), K_Y), 1e-10);  // eq. 6
-        EXPECT_LT(relative_difference(Square(P * (H.transpose() * B12 + L * B22)), K_Z), 1e-10);
+        const Dense A11_inverse = inverse(A11);
+        const Dense B22 = inverse(A22 - A21 * A11_inverse * A12);  // theorem 1
+        const Dense B12 = -(A11_inverse * A12 * B22);
+        const Dense B21 = B12.transpose();
+        const Dense B11 = A11_inverse - B12 * A21 * A11_inverse;
+        EXPECT_LT(relative_difference(P * (HT * B11 + L * B21), K_Y), 1e-10);  // eq. 6
+        EXPECT_LT(relative_difference(P * (HT * B12 + L * B22), K_Z), 1e-10);
 
-        const Gain K = P * H.transpose() * A11_inverse;
-        const Gain eq7 = K + P * (H.transpose() * A11_inverse * A12 - L) * B22 * L * K;
+        const Dense K = P * HT * A11_inverse;
+        const Dense eq7 = K + P * (HT * A11_inverse * A12 - L) * B22 * L * K;
         EXPECT_LT(relative_difference(eq7, K_Y), 1e-10);
-        const Square after = (I - K * H) * P * L;
-        const Square inner = Square(L * after - gamma * gamma * I).inverse();
-        const Gain eq8 = (I + (K * H - I) * P * L * inner * L) * K;
+        const Dense after = (I - K * H) * P * L;
+        const Dense inner = inverse(L * after - gamma * gamma * I);
+        const Dense eq8 = (I + (K * H - I) * P * L * inner * L) * K;
         EXPECT_LT(relative_difference(eq8, K_Y), 1e-10);
-        const Square M = after * inner * L;
-        EXPECT_LT(relative_difference(Gain((I - M) * K), K_Y), 1e-10);      // eq. 9
-        EXPECT_LT(relative_difference(Square(after * inner), K_Z), 1e-10);  // eq. 10 without its last L_k
-        const Square eq11 = P - (I - M) * K * H * P - M * P;
+        const Dense M = after * inner * L;
+        EXPECT_LT(relative_difference(K - M * K, K_Y), 1e-10);      // eq. 9
+        EXPECT_LT(relative_difference(after * inner, K_Z), 1e-10);  // eq. 10 without its last L_k
+        const Dense eq11 = P - (I - M) * K * H * P - M * P;
         EXPECT_LT(relative_difference(eq11, posterior), 1e-10);
 
         const auto found = HInfinity<kStates>{.gamma = gamma, .scale = scale}.correct(P, c.innovation());
@@ -192,8 +189,7 @@ TEST_P(HInfinityCorrector, BacksOffFromTheDocumentedShareOfTheLimitOn) {
 // Eigenvalues of a covariance in units of sigma, ascending.
 Vector<kStates> eigenvalues_in(const Vector<kStates>& sigma, const Square& P) {
     const Vector<kStates> inverse = sigma.cwiseInverse();
-    return Eigen::SelfAdjointEigenSolver<Square>(Square(inverse.asDiagonal() * P * inverse.asDiagonal()))
-        .eigenvalues();
+    return eigenvalues(P.cwiseProduct(inverse * inverse.transpose()));
 }
 
 TEST_P(HInfinityCorrector, BelowItsCeilingIsTheExactUpdate) {
@@ -241,8 +237,7 @@ TEST_P(HInfinityCorrector, WithACeilingIsNeverBelowTheStandardPosterior) {
                 const HInfinity<kStates> corrector{
                     .gamma = gamma, .scale = L, .ceiling = {{.sigma = sigma, .limit = limit}}};
                 const Square posterior = corrector.correct(c.P, c.innovation()).covariance;
-                EXPECT_GT(smallest_eigenvalue<kStates>(posterior - c.standard()), -1e-10)
-                    << gamma << " " << limit;
+                EXPECT_GT(smallest_eigenvalue(posterior - c.standard()), -1e-10) << gamma << " " << limit;
             }
         }
     });

@@ -87,7 +87,7 @@ TEST_P(IggCorrector, KeepsCorrelationsOfTheNoise) {
 
 // Chen 2019, eqs. 26, 27, 29: the factors of an epoch.
 Channels printed_factors(const RandomMeasurement& c, double k0, double k1) {
-    const Matrix<kChannels> P_v = c.H * c.P * c.H.transpose() + Matrix<kChannels>(c.R.asDiagonal());
+    const Matrix<kChannels> P_v = c.S();
     if ((c.residual.cwiseAbs2() - 9.0 * P_v.diagonal()).maxCoeff() <= 0.0) {
         return Channels::Ones();
     }

@@ -1,40 +1,48 @@
-// Random matrices for property tests; the same seed gives the same ones.
+// Random matrices for property tests, and the arithmetic of the oracles that they are compared with, in dense
+// matrices of any size that are compiled once; the same seed gives the same matrices.
 #pragma once
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <cmath>
+#include <Eigen/Core>
 #include <random>
 
 #include "estimation/gaussian.hpp"
 
 namespace truenorth {
 
+using Dense = Eigen::MatrixXd;
+
 class RandomCovariance {
   public:
     explicit RandomCovariance(unsigned seed) : generator_(seed) {}
 
-    template <int Rows, int Cols>
-    Matrix<Rows, Cols> normal() {
-        std::normal_distribution<double> normal;
-        return Matrix<Rows, Cols>::NullaryExpr([&] { return normal(generator_); });
-    }
+    [[nodiscard]] Dense normal(int rows, int cols);
 
     // Q diag(eigenvalues) Q^T with a random orthogonal Q and eigenvalues spread evenly in the logarithm.
+    [[nodiscard]] Dense covariance(int size, double smallest, double largest);
+
+    template <int Rows, int Cols>
+    [[nodiscard]] Matrix<Rows, Cols> normal() {
+        return normal(Rows, Cols);
+    }
+
     template <int N>
-    Matrix<N> covariance(double smallest, double largest) {
-        std::uniform_real_distribution<double> exponent(std::log(smallest), std::log(largest));
-        Vector<N> eigenvalues;
-        for (double& value : eigenvalues) value = std::exp(exponent(generator_));
-        const Matrix<N> Q = Eigen::HouseholderQR<Matrix<N>>(normal<N, N>()).householderQ();
-        Matrix<N> P = Q * eigenvalues.asDiagonal() * Q.transpose();
-        symmetrise(P);
-        return P;
+    [[nodiscard]] Matrix<N> covariance(double smallest, double largest) {
+        return covariance(N, smallest, largest);
     }
 
   private:
     std::mt19937 generator_;
 };
+
+// Largest difference of two matrices in units of the largest coefficient of the second.
+double relative_difference(const Dense& a, const Dense& b);
+
+double smallest_eigenvalue(const Dense& P);
+
+// Of a symmetric matrix, ascending.
+Eigen::VectorXd eigenvalues(const Dense& P);
+
+Dense inverse(const Dense& A);
 
 // What a filter that predicts with H from the covariance P makes of a residual.
 template <int N, int M>
@@ -42,17 +50,6 @@ Innovation<N, M> innovation_of(const Matrix<N>& P, const Matrix<M, N>& H, const 
                                const Vector<M>& residual) {
     const Matrix<N, M> cross = P * H.transpose();
     return {residual, H * cross, R, cross};
-}
-
-// Largest difference of two matrices in units of the largest coefficient of the second.
-template <class A, class B>
-double relative_difference(const A& a, const B& b) {
-    return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
-}
-
-template <int N>
-double smallest_eigenvalue(const Matrix<N>& P) {
-    return Eigen::SelfAdjointEigenSolver<Matrix<N>>(P, Eigen::EigenvaluesOnly).eigenvalues()(0);
 }
 
 }  // namespace truenorth

@@ -2,7 +2,6 @@
 // textbook's, in dense matrices of any size.
 #pragma once
 
-#include <Eigen/LU>
 #include <vector>
 
 #include "estimation/random_covariance.hpp"
@@ -16,17 +15,10 @@ using Channels = Vector<kChannels>;
 
 // One prior and one measurement; `size` scales the residual, in standard deviations of the innovation.
 struct RandomMeasurement {
-    RandomMeasurement(RandomCovariance& random, double size)
-        : P(random.covariance<kStates>(0.05, 5.0)),
-          H(random.normal<kChannels, kStates>()),
-          R(random.normal<kChannels, 1>().cwiseAbs2() + Channels::Constant(0.05)) {
-        const Matrix<kChannels> S = H * P * H.transpose() + Matrix<kChannels>(R.asDiagonal());
-        residual = size * (Matrix<kChannels>(S.llt().matrixL()) * random.normal<kChannels, 1>());
-    }
+    RandomMeasurement(RandomCovariance& random, double size);
 
-    [[nodiscard]] Innovation<kStates, kChannels> innovation() const {
-        return innovation_of<kStates, kChannels>(P, H, R.asDiagonal(), residual);
-    }
+    [[nodiscard]] Innovation<kStates, kChannels> innovation() const;
+    [[nodiscard]] Matrix<kChannels> S() const;  // covariance of the innovation
 
     Prior P;
     Matrix<kChannels, kStates> H;
@@ -36,30 +28,20 @@ struct RandomMeasurement {
 
 struct DenseUpdate {
     // Only the rows of H that are listed have been measured.
-    DenseUpdate(const Eigen::MatrixXd& P, const Eigen::MatrixXd& H, const Eigen::VectorXd& R,
-                const Eigen::VectorXd& residual, const std::vector<int>& rows) {
-        const Eigen::MatrixXd h = H(rows, Eigen::all);
-        const Eigen::VectorXd v = residual(rows);
-        const Eigen::VectorXd r = R(rows);
-        S = h * P * h.transpose();
-        S.diagonal() += r;
-        const Eigen::MatrixXd K = P * h.transpose() * S.inverse();
-        deviation = K * v;
-        covariance = P - K * S * K.transpose();
-    }
+    DenseUpdate(const Dense& P, const Dense& H, const Eigen::VectorXd& R, const Eigen::VectorXd& residual,
+                const std::vector<int>& rows);
 
-    Eigen::MatrixXd S;
+    Dense S;
     Eigen::VectorXd deviation;
-    Eigen::MatrixXd covariance;
+    Dense covariance;
 };
 
 // What holds of every correction.
 template <class Correction>
 bool is_sound(const Correction& correction) {
     return correction.covariance == correction.covariance.transpose() &&
-           smallest_eigenvalue<kStates>(correction.covariance) > 0.0 &&
-           (correction.weight.array() >= 0.0).all() && (correction.weight.array() <= 1.0).all() &&
-           correction.alpha > 0.0 && correction.alpha <= 1.0;
+           smallest_eigenvalue(correction.covariance) > 0.0 && (correction.weight.array() >= 0.0).all() &&
+           (correction.weight.array() <= 1.0).all() && correction.alpha > 0.0 && correction.alpha <= 1.0;
 }
 
 template <class Correction>

@@ -62,8 +62,8 @@ TEST_P(StandardCorrector, GivesASymmetricPositiveDefiniteCovarianceBelowThePrior
     for_random_cases([](const Case& c) {
         const Matrix<kStates>& posterior = c.correction.covariance;
         EXPECT_EQ(posterior, posterior.transpose());
-        EXPECT_GT(smallest_eigenvalue<kStates>(posterior), 0.0);
-        EXPECT_GT(smallest_eigenvalue<kStates>(c.P - posterior), -1e-13);
+        EXPECT_GT(smallest_eigenvalue(posterior), 0.0);
+        EXPECT_GT(smallest_eigenvalue(c.P - posterior), -1e-13);
     });
 }
 
