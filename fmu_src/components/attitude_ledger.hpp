@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 namespace truenorth {
@@ -27,11 +28,23 @@ class AttitudeLedger {
         corrected_ += turned.angle() * turned.axis();
     }
 
-    // By how many sigmas it has been corrected, `elapsed` seconds after it set out with gyros whose bias is
-    // known to gyro_bias [rad/s] and whose white noise is angle_random_walk [rad/s^0.5].
-    [[nodiscard]] double deviate(double elapsed, double gyro_bias, double angle_random_walk) const {
-        const double drift = gyro_bias * elapsed;
-        const double added = drift * drift + angle_random_walk * angle_random_walk * elapsed;
+    // What is known of the gyros; and the horizontal rate of the Earth, which tilts a level frame of a
+    // heading that is wrong.
+    struct Gyros {
+        double bias = 0.0;              // sigma [rad/s]
+        double random_walk = 0.0;       // [rad/s^0.5]
+        double bias_random_walk = 0.0;  // [rad/s^1.5]
+        double earth_rate = 0.0;        // [rad/s]
+    };
+
+    // By how many sigmas it has been corrected, `elapsed` seconds after it set out.
+    [[nodiscard]] double deviate(double elapsed, const Gyros& gyros) const {
+        const double drift = gyros.bias * elapsed;
+        const double walk = gyros.random_walk * gyros.random_walk * elapsed +
+                            gyros.bias_random_walk * gyros.bias_random_walk * std::pow(elapsed, 3) / 3.0;
+        const double chord = std::min(2.0, std::sqrt(variance_.z()));  // of a wrong heading
+        const double tilt = gyros.earth_rate * chord * elapsed;
+        const Eigen::Array3d added = Eigen::Array3d(tilt, tilt, 0.0).square() + drift * drift + walk;
         return (corrected_.array().square() / (variance_.array() + added)).sqrt().maxCoeff();
     }
 

@@ -65,6 +65,12 @@ class Engine {
     // Likewise, with an attitude of these sigmas, east, north, up [rad].
     void forget(const Eigen::Vector3d& attitude_sigma);
 
+    // What the corrector makes of an innovation.
+    [[nodiscard]] Correction<kStates, kMeasurements> corrected(
+        const Innovation<kStates, kMeasurements>& innovation) {
+        return corrector.correct(estimator.covariance, innovation);
+    }
+
     // What is known of the navigation state and the sensors becomes less certain.
     void add_uncertainty(const Uncertainty& more);
 

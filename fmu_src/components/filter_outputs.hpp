@@ -12,10 +12,10 @@ namespace truenorth {
 
 // Heading is the azimuth of the body's forward axis f: of a misalignment phi, ENU, its error is
 //
-//     -phi_u + (f_e phi_e + f_n phi_n) f_u / (f_e^2 + f_n^2),
+//     phi_u - (f_e phi_e + f_n phi_n) f_u / (f_e^2 + f_n^2),
 //
-// for small phi. With the forward axis steep the tilts tell in it; straight up there is no heading, and its
-// sigma is that of a uniform distribution on the circle at most.
+// computed minus true, for small phi. With the forward axis steep the tilts tell in it; straight up there is
+// no heading. Its sigma is that of a uniform distribution on the circle at most.
 inline double heading_sigma(const Eigen::Matrix3d& attitude_covariance, const Eigen::Quaterniond& q_bn) {
     constexpr double kAny = std::numbers::pi / std::numbers::sqrt3;
     const Eigen::Vector3d forward = q_bn * Eigen::Vector3d::UnitY();
@@ -23,10 +23,10 @@ inline double heading_sigma(const Eigen::Matrix3d& attitude_covariance, const Ei
     if (level < 1e-12) {
         return kAny;
     }
-    const Eigen::Vector3d gradient(forward.x() * forward.z() / level, forward.y() * forward.z() / level,
-                                   -1.0);
+    const Eigen::Vector3d gradient(-forward.x() * forward.z() / level, -forward.y() * forward.z() / level,
+                                   1.0);
     const double variance = gradient.dot(attitude_covariance * gradient);
-    return std::sqrt(std::max(variance, 0.0));
+    return std::min(std::sqrt(std::max(variance, 0.0)), kAny);
 }
 
 // The navigation state and what is known of it.

@@ -41,7 +41,7 @@ bool GnssInput::strays_alike(double ahead) {
     strays_ = strays_ > 0 && std::abs(ahead - ahead_) < kAlike ? strays_ + 1 : 1;
     ahead_ = ahead;
     disagreements_ = std::min(disagreements_, std::numeric_limits<int>::max() - 1) + 1;
-    return any_ && strays_ >= kConfirmations;
+    return strays_ >= kConfirmations;
 }
 
 GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment& moment) {
@@ -66,7 +66,7 @@ GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment&
     const double set = moment.offset - imu_offset_;
     const bool together = set != 0.0 && std::abs(ahead - set + latency_) < std::abs(ahead + latency_);
     const bool back = fix.time <= last_time_;
-    const bool future = ahead > kTimeTolerance + std::max(moment.slack, any_ ? kAhead : 0.0);
+    const bool future = ahead > kTimeTolerance + std::max(moment.slack, kAhead);
     if (together) {
         offset_ += set;
     } else if (back || future) {

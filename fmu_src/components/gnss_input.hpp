@@ -1,9 +1,10 @@
 // Reads a GNSS port: decides whether its fix is new, sound and in time, and when it was valid by the filter's
 // clock.
 //
-// A receiver's clock can be set, alone or together with the IMU's (a leap second). A fix from the future, or
-// from before the last one, is refused; when a few in a row agree on how far the clock is off, they are
-// believed, and the fixes count as as old as they were before.
+// A receiver's clock can be set, alone or together with the IMU's (a leap second), or be another one from the
+// beginning. A fix from the future, or from before the last one, is refused; when a few in a row agree on how
+// far the clock is off, they are believed, and the fixes count as as old as they were before; the first ones
+// as of now.
 #pragma once
 
 #include <Eigen/Core>
@@ -53,7 +54,6 @@ class GnssInput {
     }
 
   private:
-    [[nodiscard]] bool implausible(const GnssFix& fix) const;
     [[nodiscard]] bool repeats(const GnssFix& fix) const;
     bool strays_alike(double ahead);
 

@@ -6,7 +6,9 @@
 //
 //     atan2(sum u x w, sum u . w),       variance  sigma_w^2 / sum |u|^2.
 //
-// Differences of accelerations are free of what a tilt and an accelerometer bias add, which is constant.
+// Differences of accelerations are free of what a tilt and an accelerometer bias add, as long as the vehicle
+// does not turn. The means of what was differenced tell the tilt: the force that the fixes leave unexplained
+// is gravity's.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -38,9 +40,15 @@ class HeadingFinder {
             const IntervalAverage between = then.travelled - travelled_;
             const Eigen::Vector3d mechanised = between.force() + (then.lever_velocity - lever_velocity_) / dt;
             const Eigen::Vector2d a_measured = (velocity - velocity_).head<2>() / dt;
+            const double keep = std::exp(-dt / kMemory);
             if (fixes_ > 1) {
-                take((mechanised - mechanised_).head<2>(), a_measured - measured_, dt, sigma);
+                take((mechanised - mechanised_).head<2>(), a_measured - measured_, keep,
+                     sigma / std::min(dt, spacing_));
             }
+            force_ = keep * force_ + dt * mechanised;
+            acceleration_ = keep * acceleration_ + dt * a_measured;
+            memory_ = keep * memory_ + dt;
+            spacing_ = dt;
             mechanised_ = mechanised;
             measured_ = a_measured;
         }
@@ -57,6 +65,7 @@ class HeadingFinder {
         const Eigen::Rotation2Dd back(-angle);
         sum_ = back * sum_;
         mechanised_ = R * mechanised_;  // gravity too, which a tilt would show as acceleration
+        force_ = R * force_;
         lever_velocity_ = R * lever_velocity_;
         travelled_ = travelled - (travelled - travelled_).turned(R);
     }
@@ -64,6 +73,21 @@ class HeadingFinder {
     // By which the computed frame must be turned about up [rad], and how sure that is [rad].
     [[nodiscard]] double angle() const { return std::atan2(sum_.y(), sum_.x()); }
     [[nodiscard]] double sigma() const { return std::sqrt(noise_ / energy_); }
+
+    // The rotation of the computed frame by which its vertical becomes true, and the heading changes by an
+    // angle about up [rad]; without fixes that tell, the latter alone.
+    [[nodiscard]] Eigen::Matrix3d upright(double angle) const {
+        const Eigen::AngleAxisd heading(angle, Eigen::Vector3d::UnitZ());
+        if (memory_ <= 0.0) {
+            return heading.toRotationMatrix();
+        }
+        const Eigen::Vector3d force = force_ / memory_;
+        const Eigen::Vector2d level = acceleration_ / memory_;
+        const double up = std::sqrt(std::max(force.squaredNorm() - level.squaredNorm(), 1.0));
+        const Eigen::Vector3d expected(level.x(), level.y(), up);
+        const Eigen::Vector3d before = heading.inverse() * expected;
+        return heading * Eigen::Quaterniond::FromTwoVectors(force, before).toRotationMatrix();
+    }
 
     // Both kinds of changes are of one motion, and large enough to tell.
     [[nodiscard]] bool tells() const {
@@ -73,25 +97,26 @@ class HeadingFinder {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(fixes_, time_, travelled_, lever_velocity_, velocity_, mechanised_, measured_, sum_, energy_,
-                noise_);
+        archive(fixes_, time_, spacing_, travelled_, lever_velocity_, velocity_, mechanised_, measured_, sum_,
+                energy_, noise_, force_, acceleration_, memory_);
     }
 
   private:
     static constexpr int kEnough = 3;
     static constexpr double kUseful = 0.2;  // [rad]
 
-    void take(const Eigen::Vector2d& u, const Eigen::Vector2d& w, double dt, double sigma) {
-        const double keep = std::exp(-dt / kMemory);
+    // `sigma`: of a velocity of the fixes, over the time between two [m/s2].
+    void take(const Eigen::Vector2d& u, const Eigen::Vector2d& w, double keep, double sigma) {
         sum_ = keep * sum_ + Eigen::Vector2d(u.dot(w), u.x() * w.y() - u.y() * w.x());
         energy_ = keep * energy_ + u.squaredNorm();
-        // Of a second difference of white noise; twice, because neighbours share it.
-        const double variance = 12.0 * sigma * sigma / (dt * dt);
-        noise_ = std::max(keep * noise_, variance);
+        // Second differences of white noise have the covariances 6, -4 and 1 with themselves and their
+        // neighbours: 16 for motion that alternates from one to the next, less for any other.
+        noise_ = std::max(keep * noise_, 16.0 * sigma * sigma);
     }
 
     int fixes_ = 0;  // in a row, counted up to kEnough
     double time_ = 0.0;
+    double spacing_ = kSpacing;  // of the last two fixes [s]
     IntervalAverage travelled_{};
     Eigen::Vector3d lever_velocity_ = Eigen::Vector3d::Zero();
     Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
@@ -100,6 +125,10 @@ class HeadingFinder {
     Eigen::Vector2d sum_ = Eigen::Vector2d::Zero();         // of dot and cross products
     double energy_ = 0.0;
     double noise_ = 0.0;  // variance of w, per axis [m2/s4]
+    // Sums over time that has not been forgotten, memory_ [s]: of the force and of the acceleration [m/s].
+    Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+    Eigen::Vector2d acceleration_ = Eigen::Vector2d::Zero();
+    double memory_ = 0.0;
 };
 
 }  // namespace truenorth

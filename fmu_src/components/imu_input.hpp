@@ -77,9 +77,6 @@ class ImuInput {
     [[nodiscard]] int missed() const { return missed_; }
     [[nodiscard]] int disagreements() const { return disagreements_; }  // of stamps, count and clock
 
-    // Mean specific force of late, body axes [m/s2].
-    [[nodiscard]] Eigen::Vector3d mean_force() const { return activity_.mean().tail<3>(); }
-
     // Since the last accepted sample, by the master's clock [s].
     [[nodiscard]] double silent_for() const { return clock_ - heard_; }
     // For longer than this the IMU is silent rather than slow [s].

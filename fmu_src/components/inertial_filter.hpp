@@ -15,11 +15,11 @@
 // component that instantiates them.
 #pragma once
 
-#include <cstdint>
 #include <variant>
 
 #include "components/antenna_history.hpp"
 #include "components/attitude_ledger.hpp"
+#include "components/filter_events.hpp"
 #include "components/filter_status.hpp"
 #include "components/gnss_input.hpp"
 #include "components/heading_finder.hpp"
@@ -33,8 +33,6 @@
 #include "estimation/nis_window.hpp"
 
 namespace truenorth {
-
-enum class Refusal : std::uint8_t;  // inertial_filter_fix.hpp
 
 template <class Interface, class... Engines>
 class InertialFilter {
@@ -52,7 +50,7 @@ class InertialFilter {
     void serialize(Archive& archive) {
         archive(parameters, inputs, outputs, imu_, gnss_, waiting_, history_, travelled_, status_,
                 nis_window_, recovery_, finder_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_,
-                told_long_interval_, told_samples_, told_fixes_);
+                told_long_interval_, told_samples_, told_fixes_, told_notices_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
             configure_engine();
@@ -97,7 +95,6 @@ class InertialFilter {
     void correct(E& engine, const Port& port, const GnssFix& fix, const AntennaState& then);
     template <class E, class Fix>
     void correct_coarsely(E& engine, const Fix& fix);
-    [[nodiscard]] Eigen::Matrix3d levelled(const NavigationState& state) const;
     void turn(const Eigen::Matrix3d& rotation);
     template <class E, class Residual>
     void recover(E& engine, const Sighting& seen, const Residual& residual);
@@ -108,10 +105,12 @@ class InertialFilter {
     void scale(E& engine);
     void report_infeasible();
     void question_place(const GnssFix& fix, const AntennaState& then);
-    void reject_fix(Refusal refusal);
+    void reject_fix(Refusal refusal, const Port& port);
+    void give_up_waiting();
     [[nodiscard]] AntennaState antenna() const;
     void fault(const char* reason);
     void publish_health();
+    [[nodiscard]] AttitudeLedger::Gyros gyros() const;
     [[nodiscard]] bool consistent() const;
     void publish_status();
 
@@ -132,8 +131,9 @@ class InertialFilter {
     double last_fix_ = 0.0;    // by the filter's clock, when a fix was used last, or the start [s]
     bool under_way_ = false;
     bool told_long_interval_ = false;
-    Repetition told_samples_;
-    Repetition told_fixes_;
+    Repetition<kFindings> told_samples_;
+    Repetition<kRefusals> told_fixes_;
+    Repetition<kNotices> told_notices_;
     std::variant<Engines...> engine_;
 };
 

@@ -1,78 +1,12 @@
 // What inertial_filter.hpp does with a fix.
 #pragma once
 
-#include <cstdint>
-
 #include "components/inertial_filter_run.hpp"
 
 namespace truenorth {
 
 // A first fix farther than this from initial.* is a wrong initial position rather than an error of it.
 inline constexpr double kFar = 10e3;  // [m]
-
-// Why a fix is not used.
-enum class Refusal : std::uint8_t {
-    not_finite,
-    impossible,
-    frozen,
-    backwards,
-    future,
-    uncovered,
-    too_old,
-    no_channel,
-    no_weight,
-    beyond_gate
-};
-
-inline const char* reason(Refusal refusal) {
-    switch (refusal) {
-        case Refusal::not_finite:
-            return "a value is not finite";
-        case Refusal::impossible:
-            return "position or velocity is impossible";
-        case Refusal::frozen:
-            return "to the bit that of the fix before, at a speed: the receiver hangs";
-        case Refusal::backwards:
-            return "its time does not follow that of the fix before";
-        case Refusal::future:
-            return "it is from the future";
-        case Refusal::uncovered:
-            return "no IMU data came to cover it";
-        case Refusal::too_old:
-            return "it is older than the history that is kept, 2.5 s or 256 IMU samples";
-        case Refusal::no_channel:
-            return "no channel has a usable measurement";
-        case Refusal::no_weight:
-            return "every component lost its weight";
-        case Refusal::beyond_gate:
-            return "its NIS is beyond gate.threshold";
-    }
-    return "";
-}
-
-// Of a verdict that is neither stale nor accepted.
-inline Refusal refusal_of(GnssInput::Verdict verdict) {
-    switch (verdict) {
-        case GnssInput::Verdict::not_finite:
-            return Refusal::not_finite;
-        case GnssInput::Verdict::impossible:
-            return Refusal::impossible;
-        case GnssInput::Verdict::frozen:
-            return Refusal::frozen;
-        case GnssInput::Verdict::backwards:
-            return Refusal::backwards;
-        default:
-            return Refusal::future;
-    }
-}
-
-// Of a fix whose innovation was of this NIS and so many channels.
-inline Refusal refusal_of(const InnovationGate& gate, double nis, int channels) {
-    if (channels == 0) {
-        return Refusal::no_channel;
-    }
-    return !gate.enabled || gate.explains(nis, channels) ? Refusal::no_weight : Refusal::beyond_gate;
-}
 
 template <class Interface, class... Engines>
 GnssFix InertialFilter<Interface, Engines...>::fix_at(const Port& port) {
@@ -91,12 +25,11 @@ bool InertialFilter<Interface, Engines...>::take_fix() {
     const bool came = verdict != GnssInput::Verdict::stale;
     if (verdict == GnssInput::Verdict::accepted) {
         if (waiting_.full()) {
-            waiting_.pop();
-            reject_fix(Refusal::uncovered);
+            reject_fix(Refusal::uncovered, waiting_.pop().port);
         }
         waiting_.push(port, gnss_.valid_at());
     } else if (came) {
-        reject_fix(refusal_of(verdict));
+        reject_fix(refusal_of(verdict), port);
     }
     bool due = false;
     while (!status_.faulted() && waiting_.due(imu_.time())) {
@@ -112,7 +45,7 @@ void InertialFilter<Interface, Engines...>::use(const Port& port, double valid_a
     const GnssFix fix = fix_at(port);
     const auto then = history_.at(valid_at);
     if (!then) {
-        reject_fix(Refusal::too_old);
+        reject_fix(Refusal::too_old, port);
         return;
     }
     question_place(fix, *then);
@@ -137,12 +70,23 @@ void InertialFilter<Interface, Engines...>::question_place(const GnssFix& fix, c
 }
 
 template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::reject_fix(Refusal refusal) {
+void InertialFilter<Interface, Engines...>::reject_fix(Refusal refusal, const Port& port) {
     ++outputs.rejected_fixes;
     outputs.measurement_weight.setZero();
-    if (log_->listens() && told_fixes_.tell(static_cast<int>(refusal), clock_)) {
-        log_->event(text("fix ", inputs.gnss.sample, " (gnss.time = ", inputs.gnss.time,
-                         " s) rejected: ", reason(refusal), and_others(told_fixes_.omitted()).c_str()));
+    if (!log_->listens()) {
+        return;
+    }
+    if (const auto omitted = told_fixes_.tell(refusal, clock_)) {
+        log_->event(text("fix ", port.sample, " (gnss.time = ", port.time, " s) rejected: ", reason(refusal),
+                         and_others(*omitted).c_str()));
+    }
+}
+
+// The IMU data that would have covered them will not come.
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::give_up_waiting() {
+    while (waiting_.count() > 0) {
+        reject_fix(Refusal::uncovered, waiting_.pop().port);
     }
 }
 
@@ -169,7 +113,7 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
     }
     engine.corrector.gate_stands_open = recovery_.open();
     auto innovation = engine.innovate(seen, measured);
-    auto correction = engine.corrector.correct(engine.estimator.covariance, innovation);
+    auto correction = engine.corrected(innovation);
     if (innovation.channels() > 0 && engine.corrector.out_of_patience()) {
         recover(engine, seen, innovation.residual);
         if constexpr (requires { engine.apply_coarsely(measured); }) {
@@ -180,15 +124,14 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         }
         engine.corrector.gate_stands_open = true;
         innovation = engine.innovate(seen, measured);
-        correction = engine.corrector.correct(engine.estimator.covariance, innovation);
+        correction = engine.corrected(innovation);
     }
     publish_innovation<Where>(outputs, innovation, correction.nis);
     if (!correction.used()) {
-        reject_fix(refusal_of(engine.corrector.gate, correction.nis, innovation.channels()));
+        reject_fix(refusal_of(engine.corrector.gate, correction.nis, innovation.channels()), port);
         return;
     }
     recovery_.pass(clock_);
-    told_fixes_.end();
     const Change change = engine.apply(correction);
     if (!change.finite) {
         fault("the correction is not finite");
@@ -259,9 +202,12 @@ void InertialFilter<Interface, Engines...>::scale(E& engine) {
 }
 
 // What a rung of the way back does.
-inline const char* deed(int rung, bool heading_found) {
+inline const char* deed(int rung, bool heading_found, bool stays) {
     if (rung == 1) {
         return "position and velocity are taken from the next";
+    }
+    if (stays && (heading_found || rung >= Recovery::kRestart)) {
+        return "and the filter starts again where it is, with any heading";
     }
     if (heading_found) {
         return "and the filter starts again, with the heading that changes of velocity tell";
@@ -280,13 +226,6 @@ void InertialFilter<Interface, Engines...>::turn(const Eigen::Matrix3d& rotation
     finder_.turn(rotation, travelled_);
 }
 
-// The rotation of an attitude, ENU, after which the mean force of late points up.
-template <class Interface, class... Engines>
-Eigen::Matrix3d InertialFilter<Interface, Engines...>::levelled(const NavigationState& state) const {
-    const Eigen::Vector3d force = state.q_bn * imu_.mean_force();
-    return Eigen::Quaterniond::FromTwoVectors(force, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-}
-
 // The gate has refused so many fixes in a row that something else than the fixes is to be blamed: what,
 // recovery.hpp says.
 template <class Interface, class... Engines>
@@ -298,7 +237,7 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
     if (log_->listens()) {
         log_->event(text("the gate refused ", parameters.gate.patience, " fixes in a row until ",
                          rounded(clock_), " s (gate.patience): the prediction is blamed, ",
-                         deed(rung, found)));
+                         deed(rung, found, E::kStartsWhereItIs)));
     }
     nis_window_.restart();
     engine.corrector.restart();
@@ -311,10 +250,11 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
         off = E::Where::discrepancy(residual);
     }
     if (rung >= Recovery::kRestart || (rung > 1 && found)) {
-        const double other = rung == Recovery::kLast ? Recovery::kAnotherHeading : 0.0;
-        const double angle = found ? finder_.angle() : other;
-        const Eigen::AngleAxisd heading(angle, Eigen::Vector3d::UnitZ());
-        Change proposal{.rotation = heading * levelled(engine.best())};
+        double angle = found ? finder_.angle() : 0.0;
+        if (rung == Recovery::kLast && !found) {
+            angle = euler_angles(engine.best().q_bn.toRotationMatrix()).heading - recovery_.next_heading();
+        }
+        Change proposal{.rotation = finder_.upright(angle)};
         if (directed) {
             proposal.velocity = -off.velocity;
             proposal.displacement = -off.position;
@@ -342,9 +282,12 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::report_infeasible() {
-    if (log_->listens()) {
+    if (!log_->listens()) {
+        return;
+    }
+    if (const auto omitted = told_notices_.tell(Notice::infeasible, clock_)) {
         log_->event(text("H-infinity update at ", imu_.time(), " s: robust.gamma = ", parameters.robust.gamma,
-                         " is infeasible; a standard update took its place"));
+                         " is infeasible; a standard update took its place", and_others(*omitted).c_str()));
     }
 }
 

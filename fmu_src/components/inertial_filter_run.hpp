@@ -58,6 +58,7 @@ void InertialFilter<Interface, Engines...>::prepare(double start_time) {
     clock_ = start_time;
     told_samples_ = {};
     told_fixes_ = {};
+    told_notices_ = {};
     under_way_ = false;
     told_long_interval_ = false;
     outputs = {};
@@ -76,7 +77,7 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     travelled_ = IntervalAverage{};
     history_ = AntennaHistory{};
     history_.push(antenna());
-    waiting_.clear();
+    give_up_waiting();
     finder_.start();
     nis_window_.restart();
     recovery_.start();
@@ -134,10 +135,17 @@ void InertialFilter<Interface, Engines...>::advance(double clock) {
 template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::watch() {
     const auto& imu = inputs.imu;
-    imu_.read(imu.sample, imu.time, imu.delta_angle, imu.delta_velocity, clock_);
+    const auto sample = imu_.read(imu.sample, imu.time, imu.delta_angle, imu.delta_velocity, clock_);
+    if (sample == ImuInput::Verdict::rejected) {
+        tell_of(sample);
+    }
     const auto verdict =
         gnss_.read(inputs.gnss.sample, fix_at(inputs.gnss), {.now = imu_.time(), .offset = imu_.offset()});
-    return verdict == GnssInput::Verdict::accepted;
+    const bool accepted = verdict == GnssInput::Verdict::accepted;
+    if (!accepted && verdict != GnssInput::Verdict::stale) {
+        reject_fix(refusal_of(verdict), inputs.gnss);
+    }
+    return accepted;
 }
 
 // After a fault nothing of the estimate can be used but, perhaps, its last attitude.
@@ -177,7 +185,7 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
     }
     warn_of_long_interval();
     if (verdict == ImuInput::Verdict::resumed || imu_.gap() > 0) {
-        waiting_.clear();  // what came in a gap is nowhere near what is known of it
+        give_up_waiting();  // what came in a gap is nowhere near what is known of it
     }
     const Prediction prediction = std::visit(
         [&](auto& engine) {
@@ -186,6 +194,8 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
                 open_ledger(engine);
                 nis_window_.restart();
                 history_ = AntennaHistory{};
+                finder_.start();
+                forgetting_ = 0.0;
             }
             const NavigationState before = engine.mechanisation().state;
             const Prediction outcome = engine.mechanise(imu_.increment());
@@ -194,8 +204,11 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
                 const auto turned = [&C_bn](const Eigen::Vector3d& sigma) -> Eigen::Matrix3d {
                     return C_bn * sigma.cwiseAbs2().asDiagonal() * C_bn.transpose();
                 };
-                const Uncertainty more{.attitude = turned(imu_.doubtful_angle()),
-                                       .velocity = turned(imu_.doubtful_velocity())};
+                Uncertainty more{.attitude = turned(imu_.doubtful_angle()),
+                                 .velocity = turned(imu_.doubtful_velocity())};
+                if (engine.pending() <= 0.0) {  // or the prediction to come will carry it to the position
+                    more.position = turned(0.5 * imu_.increment().dt * imu_.doubtful_velocity());
+                }
                 engine.add_uncertainty(more);
                 ledger_.doubt(more.attitude.diagonal());
             }
@@ -206,35 +219,6 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
     history_.push(antenna());
     report(prediction);
     return true;
-}
-
-inline const char* reason(ImuInput::Finding finding) {
-    using Finding = ImuInput::Finding;
-    switch (finding) {
-        case Finding::not_finite:
-            return "a value is not finite";
-        case Finding::impossible:
-            return "a rate or a force is impossible";
-        case Finding::dead:
-            return "no rate and no force at all: the sensor does not measure";
-        case Finding::old:
-            return "its time does not follow that of the last one";
-        case Finding::no_increment:
-            return "the force is far beyond gravity for too long: imu.delta_angle and imu.delta_velocity "
-                   "must be "
-                   "increments over the interval, not rates";
-        case Finding::jump:
-            return "an axis leapt out of line; its value before was held";
-        case Finding::stuck:
-            return "an axis stands still; what it leaves out is doubted";
-        case Finding::count_leapt:
-            return "imu.sample leapt, imu.time did not: no sample was lost";
-        case Finding::clock_set:
-            return "imu.time leapt, the master's clock did not: the sensor's clock was set";
-        case Finding::none:
-            break;
-    }
-    return "";
 }
 
 template <class Interface, class... Engines>
@@ -248,16 +232,19 @@ void InertialFilter<Interface, Engines...>::tell_of(ImuInput::Verdict verdict) {
                          " s after a gap that cannot be bridged; the estimate starts again"));
     }
     const auto finding = imu_.finding();
-    if (finding == ImuInput::Finding::none) {
-        told_samples_.end();
-    } else if (told_samples_.tell(static_cast<int>(finding), clock_)) {
-        const bool rejected = verdict == ImuInput::Verdict::rejected;
-        log_->event(text("IMU sample ", port.sample, " (imu.time = ", port.time, " s) ",
-                         rejected ? "rejected: " : "is suspect: ", reason(finding),
-                         and_others(told_samples_.omitted()).c_str()));
+    if (finding != ImuInput::Finding::none) {
+        if (const auto omitted = told_samples_.tell(finding, clock_)) {
+            const bool rejected = verdict == ImuInput::Verdict::rejected;
+            log_->event(text("IMU sample ", port.sample, " (imu.time = ", port.time, " s) ",
+                             rejected ? "rejected: " : "is suspect: ", reason(finding),
+                             and_others(*omitted).c_str()));
+        }
     }
     if (verdict != ImuInput::Verdict::rejected && imu_.gap() > 0) {
-        log_->event(text(imu_.gap(), " IMU sample(s) missed before imu.time = ", port.time, " s; bridged"));
+        if (const auto omitted = told_notices_.tell(Notice::gap, clock_)) {
+            log_->event(text(imu_.gap(), " IMU sample(s) missed before imu.time = ", port.time, " s; bridged",
+                             and_others(*omitted).c_str()));
+        }
     }
 }
 
@@ -311,8 +298,10 @@ void InertialFilter<Interface, Engines...>::report(Prediction prediction) {
             break;
         case Prediction::repaired:
             if (log_->listens()) {
-                log_->event(
-                    text("covariance was not positive definite at ", imu_.time(), " s and was repaired"));
+                if (const auto omitted = told_notices_.tell(Notice::repaired, clock_)) {
+                    log_->event(text("covariance was not positive definite at ", imu_.time(),
+                                     " s and was repaired", and_others(*omitted).c_str()));
+                }
             }
             break;
         case Prediction::failed:
@@ -355,6 +344,22 @@ void InertialFilter<Interface, Engines...>::publish_health() {
     publish_status();
 }
 
+// What the filter is told of the gyros.
+template <class Interface, class... Engines>
+AttitudeLedger::Gyros InertialFilter<Interface, Engines...>::gyros() const {
+    const auto& process = parameters.process;
+    AttitudeLedger::Gyros gyros{.bias = parameters.prior.gyro_bias_sigma,
+                                .random_walk = process.angle_random_walk,
+                                .earth_rate = earth::rate(outputs.nav.latitude).y()};
+    if constexpr (requires { process.gyro_markov_sigma; }) {
+        gyros.bias = std::hypot(gyros.bias, process.gyro_markov_sigma);
+    }
+    if constexpr (requires { process.gyro_bias_random_walk; }) {
+        gyros.bias_random_walk = process.gyro_bias_random_walk;
+    }
+    return gyros;
+}
+
 // Whether the innovations of late agree with their covariance.
 template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::consistent() const {
@@ -362,8 +367,7 @@ bool InertialFilter<Interface, Engines...>::consistent() const {
         std::visit([](const auto& engine) { return engine.corrector.contradictions(); }, engine_);
     const double limit = parameters.consistency.limit;
     return contradictions < kContradictions && nis_window_.deviate(imu_.time()) <= limit &&
-           ledger_.deviate(imu_.time() - opened_, parameters.prior.gyro_bias_sigma,
-                           parameters.process.angle_random_walk) <= limit;
+           ledger_.deviate(imu_.time() - opened_, gyros()) <= limit;
 }
 
 template <class Interface, class... Engines>

@@ -55,6 +55,12 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
         return estimator.innovate(fix);
     }
 
+    // What the corrector makes of an innovation. Its settings are sigmas east, north and up, as the prior is.
+    [[nodiscard]] Correction<Base::kStates, Base::kMeasurements> corrected(
+        const Innovation<Base::kStates, Base::kMeasurements>& innovation) {
+        return corrected(estimator.covariance, innovation);
+    }
+
     // Corrects the state. The correction must have been used.
     Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction);
 
@@ -88,6 +94,9 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
 
     // Covariance of the errors of the navigation state.
     void know(const Covariance& covariance);
+
+    [[nodiscard]] Correction<Base::kStates, Base::kMeasurements> corrected(
+        const Covariance& prior, const Innovation<Base::kStates, Base::kMeasurements>& innovation);
 
     // A covariance of the errors of the navigation state, as one of the model's states.
     [[nodiscard]] Covariance in_states(const Covariance& covariance) const;
@@ -245,6 +254,22 @@ auto InvariantEngine<coloured>::in_states(const Covariance& covariance) const ->
 }
 
 template <bool coloured>
+auto InvariantEngine<coloured>::corrected(const Covariance& prior,
+                                          const Innovation<Base::kStates, Base::kMeasurements>& innovation)
+    -> Correction<Base::kStates, Base::kMeasurements> {
+    if (!this->corrector.knows_sigmas()) {
+        return this->corrector.correct(prior, innovation);
+    }
+    const Covariance J = M::navigation_errors(estimator.state);  // orthogonal
+    auto turned = innovation;
+    turned.cross = J * innovation.cross;
+    auto correction = this->corrector.correct(transformed<Base::kStates>(J, prior), turned);
+    correction.deviation = (J.transpose() * correction.deviation).eval();
+    correction.covariance = in_states(correction.covariance);
+    return correction;
+}
+
+template <bool coloured>
 void InvariantEngine<coloured>::place(const Eigen::Quaterniond& attitude, const typename M::Fix& fix) {
     estimator.state.pose = {.attitude = attitude,
                             .velocity = fix.velocity - attitude * fix.velocity_arm,
@@ -281,10 +306,9 @@ void InvariantEngine<coloured>::misalign(const Eigen::Matrix3d& C_bn, const Eige
 template <bool coloured>
 void InvariantEngine<coloured>::take_again() {
     this->corrector.restart();
-    filter_along_trajectory(estimator.model, estimator.state, estimator.covariance, coarse_.after_first_fix(),
-                            [this](const auto& prior, const auto& innovation) {
-                                return this->corrector.correct(prior, innovation);
-                            });
+    filter_along_trajectory(
+        estimator.model, estimator.state, estimator.covariance, coarse_.after_first_fix(),
+        [this](const auto& prior, const auto& innovation) { return this->corrected(prior, innovation); });
     const Uncertainty doubted = coarse_.doubted();
     coarse_.end();
     add_uncertainty(doubted);

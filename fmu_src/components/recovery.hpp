@@ -3,15 +3,14 @@
 //
 //   1  what the fix measures is as uncertain as the fix is far off: it passes, and sets them
 //   2  the attitude and the sensors are blamed too, and the gate stands open for a while
-//   3  the filter starts again from the fix, level as the mean force of late says; with the coarse stage, if
-//   it
-//      has one; the gate stands open for a while
-//   4  likewise, with another heading: no error equation finds one that is wrong by more than a right angle,
-//      but a filter that tries one after the other comes to one that is not. Each time the gate stands open
-//      for twice as long, up to 32 times gate.patience
+//   3  the filter starts again from the fix, level as the force of late says, with its coarse stage if it has
+//      one; the gate stands open for a while
+//   4  likewise, with another heading: a filter that tries one after the other comes to one that its
+//      equations take. Each time the gate stands open for twice as long, up to 32 times gate.patience
 //
 // Where changes of velocity tell the heading (heading_finder.hpp), it is taken from there from the second
-// rung on.
+// rung on. A model of the errors of a mechanisation, which goes on, keeps its attitude and what it has
+// learned of the sensors instead: its equations start with any heading.
 //
 // The filter climbs a rung each time that the gate has refused gate.patience fixes in a row, and is back on
 // the ground when it has gone without for twice kCalm.
@@ -20,6 +19,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <numbers>
 
 namespace truenorth {
 
@@ -47,8 +47,15 @@ class Recovery {
 
     static constexpr double kHeading = 0.6;     // of a heading near the one that is tried [rad]
     static constexpr double kAnyHeading = 1.8;  // of one that may be any: uniform on the circle [rad]
-    static constexpr double kAnotherHeading =
-        2.39996;  // the golden angle: the next try is far from all before [rad]
+
+    // Of the next try, far from all before: in steps of the golden angle [rad].
+    double next_heading() {
+        constexpr double kGoldenAngle = 2.39996322972865;
+        constexpr double kTurn = 2.0 * std::numbers::pi;
+        heading_ += kGoldenAngle;
+        heading_ = heading_ > kTurn ? heading_ - kTurn : heading_;
+        return heading_;
+    }
 
     // The next fix passes whatever its innovation.
     [[nodiscard]] bool open() const { return open_for_ > 0; }
@@ -67,13 +74,14 @@ class Recovery {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(climbs_, open_for_, climbed_);
+        archive(climbs_, open_for_, climbed_, heading_);
         climbs_ = std::clamp(climbs_, 0, kMostClimbs);  // whatever a damaged state says
     }
 
   private:
     int climbs_ = 0;           // in this recovery
     int open_for_ = 0;         // fixes
+    double heading_ = 0.0;     // tried last [rad]
     double climbed_ = -1e300;  // when it climbed or the gate stood open last, by the master's clock [s]
 };
 

@@ -1,44 +1,50 @@
-// Sees to it that the same event many times in a row is told in a few lines.
+// Sees to it that what happens many times is told in a few lines: the first of its kind, then one a minute.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
 
 namespace truenorth {
 
+template <std::size_t Kinds>
 class Repetition {
   public:
     static constexpr double kInterval = 60.0;  // [s]
 
-    // An event of this kind; true if it is to be told: the first of a kind, then one a minute.
-    bool tell(int kind, double clock) {
-        const bool new_kind = kind != kind_;
-        if (new_kind || clock - told_ >= kInterval) {
-            omitted_ = new_kind ? 0 : counted_;
-            counted_ = 0;
-            kind_ = kind;
-            told_ = clock;
-            return true;
+    // An event of a kind, below Kinds. If it is to be told: how many of its kind were not since the last that
+    // was.
+    template <class Kind>
+    std::optional<std::int64_t> tell(Kind kind, double clock) {
+        Told& told = told_[static_cast<std::size_t>(kind)];
+        if (clock - told.last < kInterval) {
+            ++told.omitted;
+            return std::nullopt;
         }
-        ++counted_;
-        return false;
+        const std::int64_t omitted = told.omitted;
+        told = {.last = clock, .omitted = 0};
+        return omitted;
     }
-
-    // How many of the kind were not told before the last one that was.
-    [[nodiscard]] std::int64_t omitted() const { return omitted_; }
-
-    // The next event is told, whatever its kind.
-    void end() { kind_ = -1; }
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(kind_, told_, counted_, omitted_);
+        archive(told_);
     }
 
   private:
-    int kind_ = -1;
-    double told_ = 0.0;  // [s]
-    std::int64_t counted_ = 0;
-    std::int64_t omitted_ = 0;
+    struct Told {
+        double last = std::numeric_limits<double>::lowest();  // [s]
+        std::int64_t omitted = 0;
+
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(last, omitted);
+        }
+    };
+
+    std::array<Told, Kinds> told_{};
 };
 
 }  // namespace truenorth

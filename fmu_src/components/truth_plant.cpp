@@ -107,14 +107,14 @@ void TruthPlant::receive(const Models& models) {
         models.clock.advance(state_.clock, number);
         const double time = state_.trajectory.time;
         if (models.receiver.lost(time)) {
-            lose(time, "gnss.outage");
+            lose(time, Loss::outage);
         } else {
             const plant::Fix shown = models.gnss_fault.shown(antenna(models));
             plant::Fix fix = models.receiver.measure(number, shown);
             fix.channels = models.channel_receiver.measure(number, shown, state_.clock, state_.channels);
             fix = models.gnss_fault.reported(fix, state_.before_gnss_fault);
             if (models.gnss_fault.silences(time)) {
-                lose(time, "fault.gnss.kind = silence");
+                lose(time, Loss::fault);
             } else {
                 const double latency = parameters.gnss.latency + models.gnss_fault.latency(time);
                 state_.fixes.push(fix, state_.samples + periods_of(latency, parameters.imu.rate));
@@ -127,9 +127,14 @@ void TruthPlant::receive(const Models& models) {
     }
 }
 
-void TruthPlant::lose(double time, const char* cause) {
-    if (log_->listens()) {
-        log_->event("fix at " + text(time) + " s lost: " + cause);
+void TruthPlant::lose(double time, Loss cause) {
+    if (!log_->listens()) {
+        return;
+    }
+    if (const auto omitted = state_.told_losses.tell(cause, time)) {
+        log_->event(text("fix at ", time,
+                         " s lost: ", cause == Loss::outage ? "gnss.outage" : "fault.gnss.kind = silence",
+                         and_others(*omitted).c_str()));
     }
 }
 

@@ -7,6 +7,7 @@
 
 #include "TruthPlant/variables.hpp"
 #include "components/log.hpp"
+#include "components/repetition.hpp"
 #include "components/serialisation.hpp"
 #include "components/step_sequence.hpp"
 #include "components/truth_plant_models.hpp"
@@ -75,11 +76,12 @@ class TruthPlant {
         plant::FixQueue fixes;
         plant::ImuFault::State imu_fault;
         plant::Fix before_gnss_fault;
+        Repetition<2> told_losses;
 
         template <class Archive>
         void serialize(Archive& archive) {
             archive(initialised, start_time, samples, steps, sequence, trajectory, gyro, accelerometer, clock,
-                    channels, fixes, imu_fault, before_gnss_fault);
+                    channels, fixes, imu_fault, before_gnss_fault, told_losses);
         }
     };
 
@@ -87,7 +89,8 @@ class TruthPlant {
     void sample(const Models& models, plant::ImuOutput& output);
     // The fix that becomes valid at this IMU sample, and the fixes that appear at it.
     void receive(const Models& models);
-    void lose(double time, const char* cause);
+    enum class Loss : std::uint8_t { outage, fault };
+    void lose(double time, Loss cause);
     // The antenna's true state, as the receiver would see it without errors and channels.
     [[nodiscard]] plant::Fix antenna(const Models& models) const;
     void put_out(const plant::ImuOutput& output);

@@ -26,7 +26,6 @@ class WaitingFixes {
         }
     };
 
-    void clear() { count_ = 0; }
     [[nodiscard]] bool full() const { return count_ == kCapacity; }
     [[nodiscard]] std::size_t count() const { return count_; }
 

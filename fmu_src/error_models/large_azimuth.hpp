@@ -12,9 +12,10 @@
 //
 // with f' = C_b^{n'} f^b the computed force. Zhou 2011 writes (C - I) f^n with the force of the *true* frame,
 // which nobody has; `VelocityForm` offers the ways to read it. v is the velocity that the filter trusts, v +
-// dv that of the mechanisation: open loop they are as far apart as the start was wrong, and -dw_en x dv,
-// which the rows of Zhou 2011 eq. 14 have if V is read as v + dv, is 1.6e-4 m/s2 for 40 m/s. Velocity error,
-// misalignment and biases are computed minus true; the measurement is INS minus GNSS velocity.
+// dv that of the mechanisation: open loop they are as far apart as the start was wrong, and -dw_en x dv is
+// 1.6e-4 m/s2 for 40 m/s. The transport terms are bilinear in velocity and error: the rows of Zhou 2011 eq.
+// 14 have this one not at all if its V is read as v, twice if as v + dv. Velocity error, misalignment and
+// biases are computed minus true; the measurement is INS minus GNSS velocity.
 #pragma once
 
 #include <array>

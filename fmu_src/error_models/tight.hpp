@@ -104,7 +104,8 @@ class Tight {
         }
     }
 
-    // Noise adds to what moves linearly.
+    // Noise adds to what moves linearly; so does that of the clock, which is exact for the end of the
+    // interval.
     template <int Count>
     void propagate(State& x, Points<kStates, Count>& deviations, const Points<kStates, Count>& noise,
                    const Interval& interval) const {
@@ -112,7 +113,11 @@ class Tight {
             propagate_linearly(*this, x, deviations, interval);
             deviations += noise;
         } else {
-            propagate_vectors(*this, x, deviations, noise, interval);
+            Points<kStates, Count> inside = noise;
+            inside.row(kClockBias).setZero();
+            inside.row(kClockDrift).setZero();
+            propagate_vectors(*this, x, deviations, inside, interval);
+            deviations += noise - inside;
         }
     }
 

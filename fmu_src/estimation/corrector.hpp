@@ -39,6 +39,11 @@ class Corrector {
     // an epoch without channels, which says nothing, of the prediction neither.
     Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation);
 
+    // Its settings hold sigmas of the states, so that it matters which errors these are of.
+    [[nodiscard]] bool knows_sigmas() const {
+        return method == Method::h_infinity || method == Method::igg || method == Method::adaptive_factor;
+    }
+
     // The gate has refused as many measurements in a row as it may.
     [[nodiscard]] bool out_of_patience() const { return patience > 0 && refused_ >= patience; }
 
@@ -78,7 +83,7 @@ Correction<N, M> Corrector<N, M>::correct(const Matrix<N>& prior, const Innovati
     }
     const double nis = truenorth::nis(innovation);
     bool explained = gate.explains(nis, channels);
-    const bool admitted = explained || !gate.enabled || gate_stands_open;
+    const bool admitted = gate_stands_open || gate.admits(nis, channels);
     refused_ = admitted ? 0 : std::min(refused_ + 1, patience);
     Correction<N, M> correction = admitted ? corrected(prior, innovation) : none;
     correction.nis = nis;

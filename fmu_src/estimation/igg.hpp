@@ -17,9 +17,10 @@
 //                D_i / k0 ((k1 - k0) / (k1 - D_i))^2      k0 < D_i <= k1                      (eq. 29)
 //                0                                        k1 < D_i
 //
-// the diagonal of S becomes lambda_i S_ii (eq. 30), in epochs in which some v_i^2 > 3^2 S_ii (eq. 26, whose
-// factor is 2.3 to 4.3), else nothing happens. Where lambda_i S_ii is less than (H P H^T)_ii, as it is for 0,
-// no noise is left: the update takes the error at its word. No guard stands behind it.
+// (eq. 29 prints its conditions with |v_i|, the factor with the standardised innovation; read here as D_i in
+// both) the diagonal of S becomes lambda_i S_ii (eq. 30), in epochs in which some v_i^2 > 3^2 S_ii (eq. 26,
+// whose factor is 2.3 to 4.3), else nothing happens. Where lambda_i S_ii is less than (H P H^T)_ii, as it is
+// for 0, no noise is left: the update takes the error at its word. No guard stands behind it.
 //
 // The paper then draws the sigma points anew (eq. 31); with additive noise a new R changes S alone, so
 // nothing is drawn here. Its k0 is 1.0-1.5 and its k1 2.5-8: k0 = 1.5 takes weight from one sound channel in

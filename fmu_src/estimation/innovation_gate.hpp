@@ -20,10 +20,7 @@ struct InnovationGate {
     bool enabled = true;
     double threshold = 16.0;  // of the NIS of two channels, where it admits 1 - exp(-threshold / 2)
 
-    template <int N, int M>
-    [[nodiscard]] bool admits(const Innovation<N, M>& innovation) const {
-        return !enabled || explains(nis(innovation), innovation.channels());
-    }
+    [[nodiscard]] bool admits(double nis, int channels) const { return !enabled || explains(nis, channels); }
 
     // A covariance explains an innovation of this NIS.
     [[nodiscard]] bool explains(double nis, int channels) const { return nis <= threshold_for(channels); }

@@ -12,7 +12,7 @@
 // 1 / (2 (1 - rho)), so that R remembers some 1 / (1 - rho) epochs. Jing 2023's eq. 17 adds 1/2 to the a of
 // the epoch before, not to a-, so that a grows without bound while b does not, and takes residual and
 // covariance of the prior; this is the form `printed`, which lets the new R act in the epoch that it comes
-// from (eq. 18 has that of the epoch before).
+// from (eq. 16 has that of the epoch before).
 //
 // No estimate is believed that is more than `limit` times off the nominal sigma: beyond it innovations are
 // large for another reason, such as a prediction that has gone astray, and shall show.

@@ -193,8 +193,7 @@ void Instance::set(std::span<const unsigned> references, Reach reach, std::span<
     for (const unsigned reference : references) {
         require_settable(cells_[reference].variable);
     }
-    const auto store = [&] {
-        std::span<const External> left = values;
+    const auto store = [&](std::span<const External> left) {
         for (const unsigned reference : references) {
             const Cell& cell = cells_[reference];
             const std::size_t count = extent(cell, reach);
@@ -203,10 +202,22 @@ void Instance::set(std::span<const unsigned> references, Reach reach, std::span<
         }
     };
     if (running() && any_of(references, Causality::tunable)) {
-        component_->retune(store);
-        return;
+        std::vector<External> before(values.size());
+        std::span<External> left(before);
+        for (const unsigned reference : references) {
+            const std::size_t count = extent(cells_[reference], reach);
+            read_cell<T>(cells_[reference].address, left.data(), count);
+            left = left.subspan(count);
+        }
+        try {
+            component_->retune([&] { store(values); });
+        } catch (...) {
+            store(before);
+            throw;
+        }
+    } else {
+        store(values);
     }
-    store();
     if (running()) {
         progress_.inputs_changed = progress_.phase == Phase::event;
     } else {

@@ -72,8 +72,8 @@ TEST(GnssInput, RejectsTimeThatDoesNotAdvance) {
 
 TEST(GnssInput, RejectsAFixFromTheFuture) {
     GnssInput gnss;
-    EXPECT_EQ(gnss.read(1, fix_at(10.01), kTen), Verdict::future);
-    EXPECT_EQ(gnss.read(2, fix_at(10.0 + 1e-9), kTen), Verdict::accepted);  // the clocks' rounding
+    EXPECT_EQ(gnss.read(1, fix_at(10.2), kTen), Verdict::future);
+    EXPECT_EQ(gnss.read(2, fix_at(10.1 + 1e-9), kTen), Verdict::accepted);  // the clocks' rounding
     EXPECT_EQ(gnss.disagreements(), 1);
 }
 
@@ -134,6 +134,19 @@ TEST(GnssInput, GoesOnWhenItsClockWasSet) {
         EXPECT_EQ(count, 19) << step;  // three agree before they are believed, and the third is one of them
         EXPECT_NEAR(valid_at, 119.8, 1e-9) << step;
         EXPECT_EQ(gnss.disagreements(), 3) << step;
+    }
+}
+
+TEST(GnssInput, BelievesAClockThatIsAheadFromTheBeginning) {
+    for (const double ahead : {0.04, 0.3, 18.0, 3600.0}) {
+        GnssInput gnss;
+        const auto offset = [ahead](int) { return 0.2 + ahead; };  // as read, without latency
+        const auto none = [](int) { return 0.0; };
+        const auto [count, valid_at] = accepted(gnss, 1, 20, offset, none);
+        const bool waits = ahead < GnssInput::kAhead;
+        EXPECT_EQ(count, waits ? 20 : 18) << ahead;  // the third is the first of those that are believed
+        EXPECT_NEAR(valid_at, waits ? 20.0 + ahead : 20.0, 1e-9) << ahead;
+        EXPECT_EQ(gnss.disagreements(), waits ? 0 : 3) << ahead;
     }
 }
 

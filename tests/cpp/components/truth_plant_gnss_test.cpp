@@ -78,9 +78,7 @@ TEST_F(TruthPlantTest, AnOutageLosesFixesAndLeavesTheOthersAsTheyWere) {
     EXPECT_EQ(plant_.outputs.gnss.sample, 5);
     EXPECT_EQ(dark.outputs.gnss.sample, 2);
     EXPECT_EQ(dark.outputs.gnss.time, 2.0);
-    EXPECT_EQ(log_.lines,
-              (std::vector<std::string>{"fix at 3 s lost: gnss.outage", "fix at 4 s lost: gnss.outage",
-                                        "fix at 5 s lost: gnss.outage"}));
+    EXPECT_EQ(log_.lines, (std::vector<std::string>{"fix at 3 s lost: gnss.outage"}));  // one line a minute
     run(plant_, 550, 600);
     run(dark, 550, 600);
     EXPECT_EQ(dark.outputs.gnss.sample, 3);

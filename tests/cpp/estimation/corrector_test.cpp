@@ -156,7 +156,7 @@ TEST_P(AnyCorrector, LosesPatienceWithAGateThatRefusesTooManyInARow) {
         Any corrector;
         corrector.method = method;
         corrector.patience = 3;
-        ASSERT_TRUE(corrector.gate.admits(c.innovation()));
+        ASSERT_TRUE(corrector.gate.admits(nis(c.innovation()), kChannels));
         for (int i = 0; i < 100; ++i) {  // isolated ones never
             corrector.correct(c.P, beyond);
             corrector.correct(c.P, beyond);

@@ -128,9 +128,9 @@ TEST(InnovationGate, CountsTheChannelsThatArePresent) {
                                 .cross = Matrix<1, 3>::Zero()};
     const InnovationGate gate{.enabled = true, .threshold = 16.0};
     innovation.residual(0) = std::sqrt(17.0);  // admitted as one of three, not as one of two
-    EXPECT_TRUE(gate.admits(innovation));
+    EXPECT_TRUE(gate.admits(nis(innovation), innovation.channels()));
     innovation.remove(2);
-    EXPECT_FALSE(gate.admits(innovation));
+    EXPECT_FALSE(gate.admits(nis(innovation), innovation.channels()));
 }
 
 }  // namespace

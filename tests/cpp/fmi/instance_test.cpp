@@ -95,6 +95,14 @@ TEST_F(InstanceTest, ARefusedTunableKeepsTheOldValue) {
     EXPECT_EQ(get(tunable), 2.0);
     set(tunable, 5.0);
     EXPECT_EQ(get(tunable), 5.0);
+
+    // Inputs that were set with it are as they were before.
+    set(input, 3.0);
+    const std::array<unsigned, 2> both{input, tunable};
+    const std::array<double, 2> values{4.0, -1.0};
+    EXPECT_THROW((instance.set<double, double>(both, fmi::Reach::scalar, values)), InvalidParameter);
+    EXPECT_EQ(get(input), 3.0);
+    EXPECT_EQ(get(tunable), 5.0);
 }
 
 TEST_F(InstanceTest, InitialisesAgainWhenAParameterChangesInInitialisationMode) {

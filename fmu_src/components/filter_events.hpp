@@ -1,0 +1,114 @@
+// What a filter tells of in its log: the kinds of events, and the words for them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "components/gnss_input.hpp"
+#include "components/imu_input.hpp"
+#include "estimation/innovation_gate.hpp"
+
+namespace truenorth {
+
+inline constexpr std::size_t kFindings = static_cast<std::size_t>(ImuInput::Finding::clock_set) + 1;
+
+inline const char* reason(ImuInput::Finding finding) {
+    using Finding = ImuInput::Finding;
+    switch (finding) {
+        case Finding::not_finite:
+            return "a value is not finite";
+        case Finding::impossible:
+            return "a rate or a force is impossible";
+        case Finding::dead:
+            return "no rate and no force at all: the sensor does not measure";
+        case Finding::old:
+            return "its time does not follow that of the last one";
+        case Finding::no_increment:
+            return "the force is far beyond gravity for too long: imu.delta_angle and imu.delta_velocity "
+                   "must be increments over the interval, not rates";
+        case Finding::jump:
+            return "an axis leapt out of line; its value before was held";
+        case Finding::stuck:
+            return "an axis stands still; what it leaves out is doubted";
+        case Finding::count_leapt:
+            return "imu.sample leapt, imu.time did not: no sample was lost";
+        case Finding::clock_set:
+            return "imu.time leapt, the master's clock did not: the sensor's clock was set";
+        case Finding::none:
+            break;
+    }
+    return "";
+}
+
+// Why a fix is not used.
+enum class Refusal : std::uint8_t {
+    not_finite,
+    impossible,
+    frozen,
+    backwards,
+    future,
+    uncovered,
+    too_old,
+    no_channel,
+    no_weight,
+    beyond_gate
+};
+
+inline constexpr std::size_t kRefusals = static_cast<std::size_t>(Refusal::beyond_gate) + 1;
+
+inline const char* reason(Refusal refusal) {
+    switch (refusal) {
+        case Refusal::not_finite:
+            return "a value is not finite";
+        case Refusal::impossible:
+            return "position or velocity is impossible";
+        case Refusal::frozen:
+            return "to the bit that of the fix before, at a speed: the receiver hangs";
+        case Refusal::backwards:
+            return "its time does not follow that of the fix before";
+        case Refusal::future:
+            return "it is from the future";
+        case Refusal::uncovered:
+            return "no IMU data came to cover it";
+        case Refusal::too_old:
+            return "it is older than the history that is kept, 2.5 s or 256 IMU samples";
+        case Refusal::no_channel:
+            return "no channel has a usable measurement";
+        case Refusal::no_weight:
+            return "every component lost its weight";
+        case Refusal::beyond_gate:
+            return "its NIS is beyond gate.threshold";
+    }
+    return "";
+}
+
+// Of a verdict that is neither stale nor accepted.
+inline Refusal refusal_of(GnssInput::Verdict verdict) {
+    switch (verdict) {
+        case GnssInput::Verdict::not_finite:
+            return Refusal::not_finite;
+        case GnssInput::Verdict::impossible:
+            return Refusal::impossible;
+        case GnssInput::Verdict::frozen:
+            return Refusal::frozen;
+        case GnssInput::Verdict::backwards:
+            return Refusal::backwards;
+        default:
+            return Refusal::future;
+    }
+}
+
+// Of a fix whose innovation was of this NIS and so many channels.
+inline Refusal refusal_of(const InnovationGate& gate, double nis, int channels) {
+    if (channels == 0) {
+        return Refusal::no_channel;
+    }
+    return !gate.enabled || gate.explains(nis, channels) ? Refusal::no_weight : Refusal::beyond_gate;
+}
+
+// What else happens many times.
+enum class Notice : std::uint8_t { gap, repaired, infeasible };
+
+inline constexpr std::size_t kNotices = static_cast<std::size_t>(Notice::infeasible) + 1;
+
+}  // namespace truenorth
