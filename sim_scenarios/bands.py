@@ -110,7 +110,7 @@ def from_far(*labels: str) -> list[Band]:
         for band in (
             Band(label, 11, 19),
             Band(label, -0.5, 0.5, "failures"),
-            Band(label, 200, 260, "median_settling"),
+            Band(label, 0, 260, "median_settling"),
         )
     ]
 
@@ -159,7 +159,7 @@ CHECKS = (
     Check(
         "coloured_noise",
         [
-            Band("invariant", 18, 27),
+            Band("invariant", 24, 32),
             Band("invariant, wider white noise", 18, 27),
             Band("invariant, Gauss-Markov states", 0, 18),
         ],
@@ -207,9 +207,9 @@ CHECKS = (
     Check(
         "flight_accelerometer_fault",
         [
-            *navigation("UKF", (105, 0.6), figures=["horizontal"]),
+            *navigation("UKF", (104.59, 0.81), figures=["horizontal"]),
             *navigation("adaptive factor", (3.19, 0.32), figures=["horizontal"]),
-            *navigation("IGG with guard", (3.52, 0.32), figures=["horizontal"]),
+            *navigation("IGG with guard", (3.42, 0.55), figures=["horizontal"]),
         ],
         runs=20,
     ),

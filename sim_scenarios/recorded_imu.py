@@ -142,9 +142,10 @@ def replay(
 
 
 def recording_named(name: str) -> Path | None:
-    """A recording that does not come with the package, if it is there."""
-    path = Path(os.environ.get(RECORDINGS, "../shared/data")) / name
-    return path if path.is_file() else None
+    """A recording that does not come with the package, if its folder is named and holds it."""
+    folder = os.environ.get(RECORDINGS)
+    path = Path(folder or "", name)
+    return path if folder and path.is_file() else None
 
 
 def read_recording(path: Path) -> pd.DataFrame:

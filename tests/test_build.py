@@ -66,3 +66,15 @@ def test_an_old_compiler_is_refused_with_a_sentence(
     )  # fmt: skip
     refusal = f"is {compiler} {version}"
     assert (refusal in " ".join(said.split())) is not good, said
+
+
+def test_the_version_is_the_same_everywhere() -> None:
+    found = {
+        name: re.search(pattern, (ROOT / name).read_text("utf-8"), re.MULTILINE)
+        for name, pattern in {
+            "CMakeLists.txt": r"project\(TrueNorth VERSION ([\d.]+)",
+            "pyproject.toml": r'^version = "([\d.]+)"',
+            "CHANGELOG.md": r"^## ([\d.]+)",
+        }.items()
+    }
+    assert len({match.group(1) if match else None for match in found.values()}) == 1, found

@@ -42,8 +42,8 @@ def truenorth() -> None:
         truenorth export swaying_ship            for other tools: FMUs, SSP, OSP, reference results
         truenorth verify FOLDER                  whether an export is whole and still gives its results
 
-    Each command explains itself: `truenorth run --help`. Exit code: 0 converged, 1 not converged, 2 bad
-    input, 130 interrupted.
+    Each command explains itself: `truenorth run --help`. Exit code: 0 converged, or done; 1 not
+    converged, or found wrong; 2 bad input; 130 interrupted; 143 terminated.
     """
 
 

@@ -97,22 +97,24 @@ def _valid(archive: Path) -> Check:
 
 
 def _described(archive: Path) -> Check:
-    """Description and parameters of a system against the schemas of SSP 1.0."""
-    problems = list(_schema_errors(archive))
+    """Description and parameters of a system; FMPy has the schemas of SSP 1.0 alone."""
+    documents = list(_documents(archive))
+    if any(document.get("version") != "1.0" for _, _, document in documents):
+        version = documents[0][2].get("version")
+        return Check(f"{archive.name} is well-formed", True, [f"no schema of SSP {version} is at hand"])
+    problems = []
+    for name, kind, document in documents:
+        schema = etree.XMLSchema(etree.parse(SCHEMAS / f"SystemStructure{kind}.xsd"))
+        schema.validate(document)
+        problems += [f"{name}: {error.message}" for error in schema.error_log]
     return Check(f"{archive.name} is valid", not problems, problems)
 
 
-def _schema_errors(archive: Path) -> Iterator[str]:
+def _documents(archive: Path) -> Iterator[tuple[str, str, etree._Element]]:
     for name, content in read_archive(archive).items():
         kind = {".ssd": "Description", ".ssv": "ParameterValues"}.get(Path(name).suffix)
-        if kind is None:
-            continue
-        document = etree.fromstring(content)
-        if document.get("version") != "1.0":  # FMPy has no schema of it
-            continue
-        schema = etree.XMLSchema(etree.parse(SCHEMAS / f"SystemStructure{kind}.xsd"))
-        if not schema.validate(document):
-            yield from (f"{name}: {error.message}" for error in schema.error_log)
+        if kind:
+            yield name, kind, etree.fromstring(content)
 
 
 def _repeated(archive: Path) -> Check:

@@ -10,7 +10,7 @@ import xarray as xr
 
 from sim_scenarios.attitude import wrap
 from sim_scenarios.metrics.statistics import heading_rmse, holds_since, rms, within
-from sim_scenarios.metrics.verdict import UNFIT, Rmse, Verdict, common, status_at_end, window
+from sim_scenarios.metrics.verdict import FIT, Rmse, Verdict, common, status_at_end, window
 from sim_scenarios.units import ARCMIN
 
 
@@ -19,7 +19,7 @@ class AlignmentVerdict(Verdict):
     """How well a filter aligned; SI units, None where a figure does not exist.
 
     `ok`: the RMSE of the heading over the evaluation window and its error at the end are within the limit,
-    and the status of the end is none of `UNFIT`.
+    and the status of the end is one of `FIT`.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ def judge(run: xr.Dataset) -> AlignmentVerdict:
     rmse = heading_rmse(time, error, start, stop)
     status = status_at_end(run)
     return AlignmentVerdict(
-        ok=bool(rmse <= limit and abs(error[-1]) <= limit and status not in UNFIT),
+        ok=bool(rmse <= limit and abs(error[-1]) <= limit and status in FIT),
         status=status,
         heading_rmse=rmse,
         heading_mean=float(np.mean(inside)),

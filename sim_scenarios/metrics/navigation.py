@@ -18,7 +18,7 @@ from sim_scenarios.metrics import hand_over
 from sim_scenarios.metrics.hand_over import HandOver
 from sim_scenarios.metrics.statistics import nees_of, rms, within
 from sim_scenarios.metrics.verdict import (
-    UNFIT,
+    FIT,
     Rmse,
     Verdict,
     cell,
@@ -35,7 +35,7 @@ from sim_scenarios.units import ARCMIN
 class NavigationVerdict(Verdict):
     """How well a filter navigated: root mean square errors of a run over the window; SI units.
 
-    `ok`: the horizontal RMSE is within the limit, and the status of the end is none of `UNFIT`. Errors are
+    `ok`: the horizontal RMSE is within the limit, and the status of the end is one of `FIT`. Errors are
     NaN if the filter had no start by the window.
 
     Attributes
@@ -165,7 +165,7 @@ def judge(run: xr.Dataset) -> NavigationVerdict:
     horizontal = rms(position[:, :2])
     sigma = rms(inside("position_sigma")[:, :2]) if "position_sigma" in run else None
     return NavigationVerdict(
-        ok=bool(horizontal <= limit and status not in UNFIT),
+        ok=bool(horizontal <= limit and status in FIT),
         status=status,
         horizontal=horizontal,
         vertical=rms(position[:, 2]),

@@ -13,8 +13,8 @@ from sim_scenarios.metrics import certainty
 from sim_scenarios.metrics.certainty import Certainty
 from sim_scenarios.metrics.statistics import NisStatistics, is_measured, nis_statistics
 
-UNFIT: Final = ("waiting", "coasting", "faulted", "coarse", "inconsistent")
-"""Status of a filter whose estimate is not to be relied on, however small its error."""
+FIT: Final = ("aligning", "converged")
+"""Status of a filter whose estimate may be relied on; in any other it may not, however small its error."""
 
 
 class Rmse(NamedTuple):
@@ -51,7 +51,7 @@ class Verdict(ABC):
     @property
     def fit(self) -> bool:
         """Whether the estimate of the end is to be relied on."""
-        return self.status not in UNFIT
+        return self.status in FIT
 
     @property
     @abstractmethod

@@ -25,9 +25,7 @@ from sim_scenarios.recorded_imu import (
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.units import ARCMIN, DEGREE
 
-ROOT = Path(__file__).parents[2]
-RECORDINGS = Path(os.environ.get("TRUENORTH_RECORDINGS", ROOT.parent / "shared" / "data"))
-REAL = RECORDINGS / "parked_vehicle_rlg.csv.gz"
+REAL = Path(os.environ.get("TRUENORTH_RECORDINGS", ""), "parked_vehicle_rlg.csv.gz")
 SITE = (34.246048, 108.909664, 380.0)
 GOOD_SENSORS = {
     "prior.gyro_bias_sigma": "0.02 deg/h",
@@ -253,3 +251,6 @@ def test_recordings_are_looked_for_in_the_folder_that_is_named(
     monkeypatch.setenv("TRUENORTH_RECORDINGS", str(path.parent))
     assert recording_named(path.name) == path
     assert recording_named("nothing.csv") is None
+    monkeypatch.chdir(path.parent)
+    monkeypatch.delenv("TRUENORTH_RECORDINGS")
+    assert recording_named(path.name) is None

@@ -36,7 +36,7 @@ DOCUMENT: Final = ROOT / "docs" / "verification.md"
 
 ORACLES: Final[Mapping[str, str]] = {
     "transcription": "the equation written out a second time in the test, with dense matrices or in long "
-    "double. By the same hands: it finds slips, not misunderstandings.",
+    "double. It finds slips, not misunderstandings.",
     "closed form": "a known result, worked out by other means: an inverse, a Joseph form, a period, a bias "
     "that is put in.",
     "differences": "difference quotients of what the derivative is taken of.",

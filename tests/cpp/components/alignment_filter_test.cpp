@@ -28,7 +28,7 @@ TEST(AlignmentFilterHeading, IsFoundFromTenDegreesWithinThreeSigma) {
         run.seconds(fed, 600.0);
         const double sigma = fed.filter.outputs.heading_sigma;
         EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 3.0 * sigma);
-        // The east gyro bias limits it to eps / (w_ie cos L): 13.5' at 32 deg; science.md has 15' over
+        // The east gyro bias limits it to eps / (w_ie cos L): 13.5' at 32 deg; 15' is the bound over
         // 300-600 s.
         const double limit = 2.4240684e-7 / (7.292115e-5 * std::cos(0.56));
         EXPECT_GT(sigma, 0.97 * limit);

@@ -86,7 +86,7 @@ class Random {
     std::mt19937 generator_;
 };
 
-// The equations of science.md 1.1 and 1.2 with 3x3 matrices, word for word; `force` is what each form puts in
+// Zhou 2011 eqs. 12 to 14 with 3x3 matrices, word for word; `force` is what each form puts in
 // place of the first two terms of dv'.
 template <class Force>
 State transcription(const State& x, const Model::Interval& i, const Force& force_terms) {

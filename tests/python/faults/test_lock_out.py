@@ -73,7 +73,7 @@ def test_a_wrong_tuning_is_survived(model, corrector, drive, navigation) -> None
     }
     out, horizontal, heading, _ = drives(navigation, drive, model, **told)
     late = slice(int(100 * RATE / EVERY), None)
-    assert np.max(horizontal[late]) < 500.0  # it was 43 km
+    assert np.max(horizontal[late]) < 500.0  # a gate that gives up is 43 km off
     assert not (out["status"] == STATUS["faulted"]).any()
     assert wrong(out, horizontal, heading).sum() * EVERY / RATE < 10.0
 

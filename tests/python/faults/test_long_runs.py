@@ -39,7 +39,7 @@ def errors(fmus: Fmus, duration: float, seed: int, **settings: object) -> tuple[
 def test_h_infinity_knows_its_heading_after_an_hour(scaling: str, seed: int, fmus: Fmus) -> None:
     error, sigma = errors(fmus, HOUR, seed, **{"robust.scaling": scaling})
     assert error < 3 * sigma
-    assert sigma < 25.0  # after ten minutes it was 16
+    assert sigma < 25.0  # 16 after ten minutes
 
 
 @pytest.mark.slow

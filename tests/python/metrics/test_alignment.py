@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 import xarray as xr
+from statuses import BAD, FLAGS
 
 from sim_scenarios.metrics import judge
 from sim_scenarios.metrics.alignment import AlignmentVerdict
 from sim_scenarios.units import ARCMIN, DEGREE
 
 TIME = np.arange(601.0)
-STATUS = {"flag_values": [1, 2, 3, 4, 5], "flag_meanings": "waiting aligning converged coasting faulted"}
 
 
 def recorded(error: np.ndarray, status: int = 3) -> xr.Dataset:
@@ -19,7 +19,7 @@ def recorded(error: np.ndarray, status: int = 3) -> xr.Dataset:
             "heading_error": ("time", error),
             "heading_sigma": ("time", np.full(601, 10 * ARCMIN)),
             "converged": ("time", TIME >= 100),
-            "status": ("time", np.full(601, status), STATUS),
+            "status": ("time", np.full(601, status), FLAGS),
             "nis": ("fix", np.full(600, 2.0)),
             "innovation_sigma": (("fix", "axis3"), np.tile([0.1, 0.1, 0.0], (600, 1))),  # up is not measured
             "fix_used": ("fix", TIME[1:] > 1),
@@ -56,7 +56,7 @@ def test_a_large_error_or_a_late_divergence_is_no_convergence() -> None:
     assert judge(recorded(np.full(601, 29 * ARCMIN))).ok
 
 
-@pytest.mark.parametrize(("status", "word"), [(1, "waiting"), (4, "coasting"), (5, "faulted")])
+@pytest.mark.parametrize(("status", "word"), BAD)
 def test_a_filter_that_cannot_be_relied_on_has_not_converged(status: int, word: str) -> None:
     verdict = judge(recorded(np.zeros(601), status))
     assert not verdict.ok

@@ -7,7 +7,8 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
-from test_navigation import STATUS, TIME, WINDOW, consistent
+from statuses import FLAGS
+from test_navigation import TIME, WINDOW, consistent
 
 from sim_scenarios.metrics import hand_over, judge
 from sim_scenarios.units import ARCMIN
@@ -20,7 +21,7 @@ def handed_over(converged_at: float, start: float) -> xr.Dataset:
     run["alignment.heading_error"] = ("time", (200 - 0.1 * TIME) * ARCMIN)
     run["alignment.heading_sigma"] = ("time", (300 - 0.2 * TIME) * ARCMIN)
     run["alignment.converged"] = ("time", converged_at <= TIME)
-    run["alignment.status"] = ("time", np.full(len(TIME), 2), STATUS)
+    run["alignment.status"] = ("time", np.full(len(TIME), 2), FLAGS)
     errors = ("position_error", "velocity_error", "attitude_error", "heading_error")
     return run.assign({name: run[name].where(run["time"] >= start) for name in errors})
 

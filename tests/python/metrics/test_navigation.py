@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from statuses import BAD, FLAGS
 
 from sim_scenarios.attitude import skew
 from sim_scenarios.metrics import judge
@@ -19,7 +20,6 @@ from sim_scenarios.units import ARCMIN, DEGREE
 TIME = np.arange(1001.0)
 WINDOW = (100.0, 1000.0)
 CHANNELS = 24
-STATUS = {"flag_values": [1, 2, 3, 4, 5], "flag_meanings": "waiting aligning converged coasting faulted"}
 SIGMA = {"misalignment": 0.4 * ARCMIN, "velocity": 0.05, "position": 3.0}
 CORRELATION = 0.6  # of velocity and misalignment about the same axis
 
@@ -54,7 +54,7 @@ def consistent(seed: int = 1, status: int = 3) -> xr.Dataset:
         },
         "heading_sigma": ("time", settled[:, 0] * SIGMA["misalignment"]),
         "covariance": (("time", "row12", "column12"), covariance),
-        "status": ("time", np.full(len(TIME), status), STATUS),
+        "status": ("time", np.full(len(TIME), status), FLAGS),
         "converged": ("time", np.full(len(TIME), status == 3)),
         "innovation": (fix_and_channel, innovation),
         "innovation_sigma": (fix_and_channel, measured.astype(float)),
@@ -168,7 +168,7 @@ def test_a_filter_worse_than_a_fix_has_not_navigated() -> None:
     assert "beyond the limit of 10.00 m" in judge(lost).sentence()
 
 
-@pytest.mark.parametrize(("status", "word"), [(1, "waiting"), (4, "coasting"), (5, "faulted")])
+@pytest.mark.parametrize(("status", "word"), BAD)
 def test_a_filter_that_cannot_be_relied_on_has_not_navigated(status: int, word: str) -> None:
     verdict = judge(consistent(status=status))
     assert not verdict.ok
