@@ -6,7 +6,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 
 namespace truenorth {
@@ -17,10 +16,17 @@ class AttitudeLedger {
     void open(const Eigen::Vector3d& variance) {
         variance_ = variance;
         corrected_.setZero();
+        leant_ = 0.0;
     }
 
     // It has become uncertain by so much more.
     void doubt(const Eigen::Vector3d& variance) { variance_ += variance; }
+
+    // A heading that may be wrong by so much [rad] has let the Earth, which turns about north at this rate
+    // [rad/s], tilt the level frame for so long [s].
+    void lean(double heading_sigma, double earth_rate, double elapsed) {
+        leant_ += heading_sigma * earth_rate * elapsed;
+    }
 
     // A correction has turned it, ENU.
     void turn(const Eigen::Matrix3d& rotation) {
@@ -28,13 +34,10 @@ class AttitudeLedger {
         corrected_ += turned.angle() * turned.axis();
     }
 
-    // What is known of the gyros; and the horizontal rate of the Earth, which tilts a level frame of a
-    // heading that is wrong.
     struct Gyros {
         double bias = 0.0;              // sigma [rad/s]
         double random_walk = 0.0;       // [rad/s^0.5]
         double bias_random_walk = 0.0;  // [rad/s^1.5]
-        double earth_rate = 0.0;        // [rad/s]
     };
 
     // By how many sigmas it has been corrected, `elapsed` seconds after it set out.
@@ -42,20 +45,19 @@ class AttitudeLedger {
         const double drift = gyros.bias * elapsed;
         const double walk = gyros.random_walk * gyros.random_walk * elapsed +
                             gyros.bias_random_walk * gyros.bias_random_walk * std::pow(elapsed, 3) / 3.0;
-        const double chord = std::min(2.0, std::sqrt(variance_.z()));  // of a wrong heading
-        const double tilt = gyros.earth_rate * chord * elapsed;
-        const Eigen::Array3d added = Eigen::Array3d(tilt, tilt, 0.0).square() + drift * drift + walk;
+        const Eigen::Array3d added = Eigen::Array3d(leant_, leant_, 0.0).square() + drift * drift + walk;
         return (corrected_.array().square() / (variance_.array() + added)).sqrt().maxCoeff();
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(variance_, corrected_);
+        archive(variance_, corrected_, leant_);
     }
 
   private:
     Eigen::Vector3d variance_ = Eigen::Vector3d::Ones();
     Eigen::Vector3d corrected_ = Eigen::Vector3d::Zero();
+    double leant_ = 0.0;  // by a wrong heading [rad]
 };
 
 }  // namespace truenorth

@@ -137,6 +137,7 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         fault("the correction is not finite");
         return;
     }
+    ledger_.lean(outputs.heading_sigma, earth::rate(fix.position.latitude).y(), imu_.time() - last_fix_);
     note_use();
     nis_window_.add(imu_.time(), correction.nis_used, correction.channels_used);
     const bool robust = parameters.corrector == decltype(parameters.corrector)::h_infinity;

@@ -349,8 +349,7 @@ template <class Interface, class... Engines>
 AttitudeLedger::Gyros InertialFilter<Interface, Engines...>::gyros() const {
     const auto& process = parameters.process;
     AttitudeLedger::Gyros gyros{.bias = parameters.prior.gyro_bias_sigma,
-                                .random_walk = process.angle_random_walk,
-                                .earth_rate = earth::rate(outputs.nav.latitude).y()};
+                                .random_walk = process.angle_random_walk};
     if constexpr (requires { process.gyro_markov_sigma; }) {
         gyros.bias = std::hypot(gyros.bias, process.gyro_markov_sigma);
     }

@@ -38,6 +38,7 @@ void TruthPlant::initialise(double start_time) {
         .fixes = {},
         .imu_fault = {},
         .before_gnss_fault = {},
+        .told_losses = {},
     };
     outputs = {};
     outputs.imu.time = models.imu_fault.clock(start_time);

@@ -202,8 +202,9 @@ void Instance::set(std::span<const unsigned> references, Reach reach, std::span<
         }
     };
     if (running() && any_of(references, Causality::tunable)) {
-        std::vector<External> before(values.size());
-        std::span<External> left(before);
+        const auto kept = std::make_unique<External[]>(values.size());  // no vector, which packs bool
+        const std::span<External> before(kept.get(), values.size());
+        std::span<External> left = before;
         for (const unsigned reference : references) {
             const std::size_t count = extent(cells_[reference], reach);
             read_cell<T>(cells_[reference].address, left.data(), count);

@@ -43,13 +43,14 @@ TEST(AttitudeLedger, AllowsForGyrosAndDoubt) {
 
 TEST(AttitudeLedger, AllowsForTheTiltThatAWrongHeadingMakes) {
     AttitudeLedger ledger;
-    const AttitudeLedger::Gyros gyros{.earth_rate = 6e-5};
-    ledger.open(Vector3d(1e-3, 1e-3, 0.1).cwiseAbs2());
+    ledger.open(Vector3d::Constant(1e-6));
+    ledger.lean(0.1, 6e-5, 300.0);
+    ledger.lean(0.05, 6e-5, 400.0);
     ledger.turn(about(Vector3d::UnitX(), 0.01));
-    EXPECT_NEAR(ledger.deviate(500.0, gyros), 0.01 / std::hypot(1e-3, 3e-3), 1e-9);
-    ledger.open(Vector3d(1e-3, 1e-3, 10.0).cwiseAbs2());  // any heading: it is wrong by half a turn at most
-    ledger.turn(about(Vector3d::UnitX(), 0.01));
-    EXPECT_NEAR(ledger.deviate(500.0, gyros), 0.01 / std::hypot(1e-3, 6e-2), 1e-9);
+    EXPECT_NEAR(ledger.deviate(700.0, {}), 0.01 / std::hypot(1e-3, 3e-3), 1e-9);
+    ledger.turn(about(Vector3d::UnitX(), -0.01));
+    ledger.turn(about(Vector3d::UnitZ(), 0.01));
+    EXPECT_NEAR(ledger.deviate(700.0, {}), 10.0, 1e-9);
 }
 
 }  // namespace
