@@ -113,6 +113,14 @@ class Instance:
         finally:
             self._slave.freeFMUState(state)
 
+    def restore(self, state: bytes) -> None:
+        """Go on from a state that `state` gave."""
+        restored = self._slave.deserializeFMUState(state)
+        try:
+            self._slave.setFMUState(restored)
+        finally:
+            self._slave.freeFMUState(restored)
+
     def close(self) -> None:
         """Terminate and free the instance."""
         self._slave.freeInstance()

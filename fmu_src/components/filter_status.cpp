@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "components/time_tolerance.hpp"
+
 namespace truenorth {
 
 void FilterStatus::start(double clock) {
@@ -26,7 +28,7 @@ FilterStatus::State FilterStatus::hindrance(double clock, const Evidence& eviden
     if (evidence.silent) {
         return State::silent;
     }
-    if (since_fix(clock) > rules.coasting_delay) {
+    if (since_fix(clock) > rules.coasting_delay + kTimeTolerance) {
         return State::coasting;
     }
     if (evidence.coarse) {
@@ -50,7 +52,9 @@ FilterStatus::State FilterStatus::judge(double clock, const Evidence& evidence, 
     if (std::isnan(below_since_)) {
         below_since_ = clock;
     }
-    return clock - below_since_ >= rules.hold_time ? State::converged : State::aligning;
+    // A master that adds up its steps must get what one that multiplies them gets.
+    const bool held = clock - below_since_ >= rules.hold_time - kTimeTolerance;
+    return held ? State::converged : State::aligning;
 }
 
 }  // namespace truenorth

@@ -278,7 +278,9 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
         more.sensors = 1.0;
     }
     engine.add_uncertainty(more);
-    open_ledger(engine);
+    if (rung > 1) {
+        open_ledger(engine);
+    }
 }
 
 template <class Interface, class... Engines>

@@ -375,8 +375,8 @@ void InertialFilter<Interface, Engines...>::publish_status() {
     const double delay = parameters.coasting.delay;
     const auto state = status_.judge(clock_,
                                      {.sensing = imu_.any(),
-                                      .silent = imu_.silent_for() > imu_.patience(),
-                                      .suspect = clock_ - imu_.suspected() < delay,
+                                      .silent = imu_.silent_for() > imu_.patience() + kTimeTolerance,
+                                      .suspect = clock_ - imu_.suspected() < delay - kTimeTolerance,
                                       .coarse = coarse,
                                       .recovering = recovery_.under_way(clock_),
                                       .consistent = consistent(),

@@ -21,6 +21,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "components/time_tolerance.hpp"
+
 namespace truenorth {
 
 class Recovery {
@@ -69,7 +71,7 @@ class Recovery {
     }
 
     [[nodiscard]] bool under_way(double clock) const {
-        return climbs_ > 0 && (open() || clock - climbed_ < kCalm);
+        return climbs_ > 0 && (open() || clock - climbed_ < kCalm - kTimeTolerance);
     }
 
     template <class Archive>

@@ -124,15 +124,14 @@ def test_the_results_are_those_of_fmi_2_bit_for_bit(
     slave.freeInstance()
 
 
-def test_a_state_passes_from_one_version_to_the_other(fmu: Fmu, fmu3: Fmu3) -> None:
-    """One guid, one build: what FMI 2 has serialised, FMI 3 continues."""
+def test_a_state_belongs_to_its_version(fmu: Fmu, fmu3: Fmu3) -> None:
     with fmu.instance() as instance:
         instance.start()
         assert instance.step(0.0, STEP) == OK
-        state, expected = instance.serialise(), bits(instance.read())
+        state = instance.serialise()
     slave = fmu3.slave()
-    slave.setFMUState(slave.deserializeFMUState(state))
-    assert bits(Ports3(slave, fmu3.of("output")).read()) == expected
+    with pytest.raises(FMICallException, match="fmi3DeserializeFMUState failed with status 3"):
+        slave.deserializeFMUState(state)
     slave.freeInstance()
 
 

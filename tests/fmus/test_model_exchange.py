@@ -99,7 +99,10 @@ def test_plant_and_filter_as_in_co_simulation(
             assert plant.instance.read() == source.read(), f"step {index}"
             assert sink.outputs.read(sink) == OK
             assert filter_.instance.outputs.read(filter_.instance) == OK
-            assert filter_.instance.outputs.bytes == sink.outputs.bytes, f"step {index}"
+            # What the clock of the master tells is as exact as its sum of steps.
+            np.testing.assert_allclose(
+                list(filter_.instance.read().values()), list(sink.read().values()), rtol=0, atol=1e-12
+            )
     for model in (plant, filter_):
         model.instance.terminate()
         model.instance.free()
@@ -149,7 +152,7 @@ def test_the_two_kinds_do_not_mix(fmu: Fmu) -> None:
     state = model.instance.serialise()
     with fmu.instance() as stepping:
         assert stepping.deserialise(state)[0] == ERROR
-        assert "the other kind of simulation" in stepping.journal.last
+        assert "one of an instance for model exchange; this is one for co-simulation" in stepping.journal.last
     model.instance.free()
 
 

@@ -183,8 +183,8 @@ def test_a_step_that_does_not_fit_is_refused(fmus: Fmus) -> None:
 
 def test_messages_reach_the_instance_that_sent_them(outliers: xr.Dataset) -> None:
     gated = outliers.sel(filter="UKF, gate")
-    assert int((~gated["fix_used"]).sum()) > 0
-    assert outliers.attrs["messages"].count("UKF, gate: fix") >= int((~gated["fix_used"]).sum())
+    refused = int((~gated["fix_used"]).sum())
+    assert 0 < outliers.attrs["messages"].count("UKF, gate: fix") <= refused  # some lines tell of several
     assert "UKF, no gate: fix" not in outliers.attrs["messages"]
 
 

@@ -33,6 +33,10 @@ SHIPPED = {
     "static_large_misalignment",
     "static_large_misalignment_azimuth",
     "static_large_misalignment_small",
+    "swaying_ship_coloured",
+    "flight_nominal",
+    "flight_tight",
+    "flight_tight_outliers",
 }
 
 

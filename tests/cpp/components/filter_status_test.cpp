@@ -50,6 +50,20 @@ TEST(FilterStatus, ConvergesWhenTheHeadingHasBeenGoodForLongEnough) {
     EXPECT_EQ(with_fixes(status, 53, 53, kGood), State::converged);
 }
 
+TEST(FilterStatus, ConvergesAtTheSameStepForAMasterThatAddsItsStepsUp) {
+    FilterStatus status;
+    status.start(0.0);
+    double added = 0.0;
+    int converged_at = 0;
+    for (int step = 1; converged_at == 0; ++step) {
+        added += 0.1;
+        status.use_fix(added);
+        const double sigma = step < 70 ? kPoor : kGood;
+        converged_at = status.judge(added, evidence(sigma), kRules) == State::converged ? step : 0;
+    }
+    EXPECT_EQ(converged_at, 170);
+}
+
 TEST(FilterStatus, OfACoastingFilterIsNotConvergedAndTheHoldTimeBeginsAgain) {
     FilterStatus status;
     status.start(0.0);

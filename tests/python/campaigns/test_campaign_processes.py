@@ -132,7 +132,7 @@ def test_a_cluster_that_exists_and_a_worker_that_dies(
                 killed.append(progress.done)
 
         address = json.loads(address_file.read_text(encoding="utf-8"))["address"]
-        run(tmp_path / "results", fmus, scheduler=address, report=report)
+        run(tmp_path / "results", fmus, scheduler=address, insecure=True, report=report)
     assert killed
     assert files(tmp_path / "results") == undisturbed
 
