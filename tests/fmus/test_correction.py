@@ -128,6 +128,8 @@ def test_weights_and_covariance_are_sound(
 def test_a_neutral_corrector_is_the_standard_one(
     fmus: dict[str, Fmu], name: str, model: str, corrector: str, errors: list[tuple[float, ...]]
 ) -> None:
+    if model == "invariant":  # gross errors turn it by radians, and rounding with it
+        errors = [tuple(float(np.clip(value, -3.0, 3.0)) for value in error) for error in errors]
     found = []
     for kind, parameters in (("standard", {}), (corrector, NEUTRAL[corrector])):
         chosen = {"corrector": numbers(name, "corrector")[kind], "gate.enabled": False}
@@ -138,6 +140,6 @@ def test_a_neutral_corrector_is_the_standard_one(
         report = "robust.gamma_effective"  # which of the two it was
         if model == "invariant":  # its covariance is turned to ENU and back
             one, other = (np.array([v[n] for n in standard if n != report]) for v in (neutral, standard))
-            np.testing.assert_allclose(one, other, rtol=1e-7, atol=1e-9)
+            np.testing.assert_allclose(one, other, rtol=1e-8, atol=1e-9)
         else:
             assert {**neutral, report: 0.0} == {**standard, report: 0.0}
