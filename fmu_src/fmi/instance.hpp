@@ -202,18 +202,24 @@ void Instance::set(std::span<const unsigned> references, Reach reach, std::span<
         }
     };
     if (running() && any_of(references, Causality::tunable)) {
-        const auto kept = std::make_unique<External[]>(values.size());  // no vector, which packs bool
-        const std::span<External> before(kept.get(), values.size());
-        std::span<External> left = before;
+        const auto bytes_of = [&](unsigned reference) {
+            const Cell& cell = cells_[reference];
+            return std::span(static_cast<std::byte*>(cell.address), extent(cell, reach) * sizeof(T));
+        };
+        std::vector<std::byte> before;
         for (const unsigned reference : references) {
-            const std::size_t count = extent(cells_[reference], reach);
-            read_cell<T>(cells_[reference].address, left.data(), count);
-            left = left.subspan(count);
+            const auto bytes = bytes_of(reference);
+            before.insert(before.end(), bytes.begin(), bytes.end());
         }
         try {
             component_->retune([&] { store(values); });
         } catch (...) {
-            store(before);
+            auto next = before.cbegin();
+            for (const unsigned reference : references) {
+                for (std::byte& byte : bytes_of(reference)) {
+                    byte = *next++;
+                }
+            }
             throw;
         }
     } else {
