@@ -106,6 +106,24 @@ inline Refusal refusal_of(const InnovationGate& gate, double nis, int channels) 
     return !gate.enabled || gate.explains(nis, channels) ? Refusal::no_weight : Refusal::beyond_gate;
 }
 
+// Why the sigmas cannot be believed.
+enum class Contradiction : std::uint8_t { none, fixes, innovations, start };
+
+inline const char* reason(Contradiction contradiction) {
+    switch (contradiction) {
+        case Contradiction::fixes:
+            return "fixes in a row are beyond what it explains (gate.threshold)";
+        case Contradiction::innovations:
+            return "innovations are larger than it allows (consistency.window, consistency.limit)";
+        case Contradiction::start:
+            return "the attitude has been corrected by more than the sigmas it set out with "
+                   "(consistency.limit)";
+        case Contradiction::none:
+            break;
+    }
+    return "";
+}
+
 // What else happens many times.
 enum class Notice : std::uint8_t { gap, repaired, infeasible };
 

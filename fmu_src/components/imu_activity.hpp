@@ -23,10 +23,11 @@ class ImuActivity {
     static constexpr double kRateFloor = 0.2;   // [rad/s]
     static constexpr double kForceFloor = 5.0;  // [m/s2]
 
-    // An axis that repeats its value to the bit, for longer than kRuns times its longest run so far and
-    // kShortestRun, is stuck; one that has never changed says nothing.
+    // An axis that repeats its rate or its increment but for rounding (of intervals, too), for longer than
+    // kRuns times its longest run so far and kShortestRun, is stuck; one that has never changed says nothing.
     static constexpr int kShortestRun = 10;
     static constexpr int kRuns = 5;
+    static constexpr double kRounding = 1e-12;  // of the value
 
     // An axis whose usual step is smaller has no noise of a sensor, but rounding.
     static constexpr double kSmallestRate = 1e-9;   // [rad/s]
@@ -38,8 +39,11 @@ class ImuActivity {
         const double share_of_step = 1.0 / std::clamp(samples_, 1, kStepSamples);
         known_ = std::min(known_ + dt, kMemory);
         const double share = dt / known_;
+        const Rates limit = kRounding * rates.abs();
+        const Eigen::Array<bool, 6, 1> repeats =
+            step.abs() <= limit || (rates * dt - last_ * last_dt_).abs() <= limit * dt;
         for (int axis = 0; axis < 6; ++axis) {
-            if (step(axis) == 0.0 && squared_step_(axis) > 0.0) {
+            if (repeats(axis) && squared_step_(axis) > 0.0) {
                 ++run_[axis];  // what stands still tells nothing of how it moves
                 continue;
             }
@@ -51,6 +55,7 @@ class ImuActivity {
             variance_(axis) = (1.0 - share) * (variance_(axis) + share * off * off);
         }
         last_ = rates;
+        last_dt_ = dt;
         samples_ = std::min(samples_ + 1, kStepSamples);
     }
 
@@ -72,6 +77,11 @@ class ImuActivity {
                           run_[axis] > kShortestRun + kRuns * longest_run_[axis];
         }
         return still;
+    }
+
+    // For how many samples each axis has stood still.
+    [[nodiscard]] Rates run() const {
+        return Eigen::Map<const Eigen::Array<int, 6, 1>>(run_.data()).cast<double>();
     }
 
     [[nodiscard]] const Rates& last() const { return last_; }
@@ -97,7 +107,7 @@ class ImuActivity {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(last_, mean_, variance_, squared_step_, known_, samples_, run_, longest_run_);
+        archive(last_, last_dt_, mean_, variance_, squared_step_, known_, samples_, run_, longest_run_);
     }
 
   private:
@@ -107,6 +117,7 @@ class ImuActivity {
     [[nodiscard]] Rates usual_step() const { return squared_step_.sqrt(); }
 
     Rates last_ = Rates::Zero();
+    double last_dt_ = 0.0;  // [s]
     Rates mean_ = Rates::Zero();
     Rates variance_ = Rates::Zero();
     Rates squared_step_ = Rates::Zero();  // mean square of the change from sample to sample

@@ -238,7 +238,8 @@ void ImuInput::hold_jumps(Rates& rates) {
     finding_ = Finding::jump;
 }
 
-// What an axis that stands still leaves out adds up: after T seconds to the usual deviation times T.
+// What an axis that stands still leaves out adds up: after T seconds to T times what is usual on it, and how
+// far from that it stands. It is found out late, and is doubted from its first repetition on.
 void ImuInput::doubt_what_is_stuck(double covered) {
     const Eigen::Array<bool, 6, 1> stuck = activity_.stuck();
     if (!stuck.any()) {
@@ -246,9 +247,10 @@ void ImuInput::doubt_what_is_stuck(double covered) {
         return;
     }
     const Rates before = stuck_for_;
-    stuck_for_ = stuck.select(stuck_for_ + covered, 0.0);
-    const Rates doubt =
-        stuck.select(activity_.deviation() * (stuck_for_.square() - before.square()).max(0.0).sqrt(), 0.0);
+    stuck_for_ = stuck.select(covered * activity_.run(), 0.0);
+    const Rates usual =
+        (activity_.deviation().square() + (activity_.last() - activity_.mean()).square()).sqrt();
+    const Rates doubt = stuck.select(usual * (stuck_for_.square() - before.square()).max(0.0).sqrt(), 0.0);
     doubtful_angle_ += doubt.head<3>().matrix();
     doubtful_velocity_ += doubt.tail<3>().matrix();
     finding_ = Finding::stuck;

@@ -111,7 +111,7 @@ class InertialFilter {
     void fault(const char* reason);
     void publish_health();
     [[nodiscard]] AttitudeLedger::Gyros gyros() const;
-    [[nodiscard]] bool consistent() const;
+    [[nodiscard]] Contradiction contradiction() const;
     void publish_status();
 
     Log* log_;

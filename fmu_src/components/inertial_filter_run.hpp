@@ -184,8 +184,9 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
         return true;
     }
     warn_of_long_interval();
-    if (verdict == ImuInput::Verdict::resumed || imu_.gap() > 0) {
-        give_up_waiting();  // what came in a gap is nowhere near what is known of it
+    const bool long_gap = imu_.gap() > 0 && imu_.increment().dt > kLongestGoodInterval;
+    if (verdict == ImuInput::Verdict::resumed || long_gap) {
+        give_up_waiting();  // what came in a long gap is nowhere near what is known of it
     }
     const Prediction prediction = std::visit(
         [&](auto& engine) {
@@ -359,27 +360,34 @@ AttitudeLedger::Gyros InertialFilter<Interface, Engines...>::gyros() const {
     return gyros;
 }
 
-// Whether the innovations of late agree with their covariance.
+// What speaks against the covariance.
 template <class Interface, class... Engines>
-bool InertialFilter<Interface, Engines...>::consistent() const {
-    const int contradictions =
+Contradiction InertialFilter<Interface, Engines...>::contradiction() const {
+    const int in_a_row =
         std::visit([](const auto& engine) { return engine.corrector.contradictions(); }, engine_);
     const double limit = parameters.consistency.limit;
-    return contradictions < kContradictions && nis_window_.deviate(imu_.time()) <= limit &&
-           ledger_.deviate(imu_.time() - opened_, gyros()) <= limit;
+    if (in_a_row >= kContradictions) {
+        return Contradiction::fixes;
+    }
+    if (!(nis_window_.deviate(imu_.time()) <= limit)) {  // nor is what is no number
+        return Contradiction::innovations;
+    }
+    const bool explained = ledger_.deviate(imu_.time() - opened_, gyros()) <= limit;
+    return explained ? Contradiction::none : Contradiction::start;
 }
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish_status() {
     const bool coarse = std::visit([](const auto& engine) { return engine.is_coarse(); }, engine_);
     const double delay = parameters.coasting.delay;
+    const Contradiction against = contradiction();
     const auto state = status_.judge(clock_,
                                      {.sensing = imu_.any(),
                                       .silent = imu_.silent_for() > imu_.patience() + kTimeTolerance,
                                       .suspect = clock_ - imu_.suspected() < delay - kTimeTolerance,
                                       .coarse = coarse,
                                       .recovering = recovery_.under_way(clock_),
-                                      .consistent = consistent(),
+                                      .consistent = against == Contradiction::none,
                                       .heading_sigma = outputs.heading_sigma},
                                      {.heading_sigma = parameters.convergence.heading_sigma,
                                       .hold_time = parameters.convergence.hold_time,
@@ -401,11 +409,8 @@ void InertialFilter<Interface, Engines...>::publish_status() {
         return;
     }
     if (state == State::inconsistent) {
-        log_->event(
-            text("innovations contradict their covariance at ", rounded(clock_), " s: nis_mean is ",
-                 rounded(outputs.nis_mean), ", must be about 1 (consistency.limit), ", kContradictions,
-                 " fixes in a row were beyond gate.threshold, or the attitude was corrected by more than "
-                 "the sigmas it set out with"));
+        log_->event(text("the covariance is contradicted at ", rounded(clock_), " s: ", reason(against),
+                         "; nis_mean is ", rounded(outputs.nis_mean)));
     }
     if (state == State::silent) {
         log_->event(text("no usable IMU sample since ", rounded(clock_ - imu_.silent_for()),

@@ -152,7 +152,7 @@ TEST(AlignmentFilterConsistency, IsContradictedByGrossErrorsUntilTheyAreOutOfThe
     EXPECT_GT(fed.filter.outputs.nis_mean, 10.0);
     EXPECT_FALSE(fed.filter.outputs.converged);
     EXPECT_EQ(fed.log.with("no longer converged"), 1);
-    EXPECT_EQ(fed.log.with("innovations contradict"), 1);
+    EXPECT_EQ(fed.log.with("the covariance is contradicted"), 1);
     run.advance(fed, 360 * kRate, 600 * kRate);
     EXPECT_EQ(fed.filter.outputs.status, Status::converged);
 
