@@ -252,3 +252,19 @@ def test_a_receiver_that_hangs_is_told(model: dict[str, str], fmus: Fmus) -> Non
     data = run("waves", fmus, frozen, settings=model)
     assert any("the receiver hangs" in text for text in data.attrs["messages"])
     assert not between(data, BEGIN + 10.0, 600.0)["converged"].any()
+
+
+@pytest.mark.parametrize("kind", ["repeated", "reordered"])
+def test_fixes_are_used_although_every_other_sample_is_no_use(kind: str, fmus: Fmus) -> None:
+    settings = {
+        "fault.imu.kind": kind,
+        "fault.imu.begin": 20.0,
+        "fault.imu.duration": 20.0,
+        "duration": 60.0,
+        "evaluation.start": 30.0,
+        "evaluation.stop": 60.0,
+    }
+    data = run("swaying_ship", fmus, lambda _, __: None, settings=settings)
+    assert int(data["missed_samples"][-1] + data["rejected_samples"][-1]) > 500
+    assert int(data["used_fixes"][-1]) >= 58
+    assert not np.any(data["status"].values == STATUS["coasting"])
