@@ -304,6 +304,22 @@ TEST(TightProcessNoise, OfTheClockIsThatOfVanLoan) {
     }
 }
 
+// The drift's noise has reached the bias already: the process noise is that of the end of the interval.
+TEST(TightPropagate, NoiseOfTheClockIsNotDrivenThroughTheIntervalAgain) {
+    RandomValues random(11);
+    const auto interval = interval_of<Model>(random.interval());
+    Points<20, 3> noise = Points<20, 3>::Zero();
+    noise(Model::kClockBias, 1) = 2.0;
+    noise(Model::kClockDrift, 1) = 0.5;
+    noise(Model::kClockDrift, 2) = -0.5;
+    for (const Model& model : {kModel, kNonlinear}) {
+        Points<20, 3> deviations = Points<20, 3>::Zero();
+        State x = State::Zero();
+        model.propagate(x, deviations, noise, interval);
+        EXPECT_LT((deviations.bottomRows<2>() - noise.bottomRows<2>()).norm(), 1e-12);
+    }
+}
+
 TEST(TightProcessNoise, OfTheClockDoesNotDependOnTheInterval) {
     // A hundred seconds at once, or as a hundred predictions: the same covariance of bias and drift.
     RandomValues random(11);
