@@ -27,6 +27,27 @@ struct AntennaState {
     }
 };
 
+// What corrections have done to the mechanisation since it was in some state: its attitude turned by R
+// (computed ENU), velocity and position moved, and the running sum of what it travelled, t, become offset + R
+// t.
+struct Displacement {
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // [m/s]
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
+    IntervalAverage offset{};
+    bool any = false;
+
+    // This one after an earlier one.
+    [[nodiscard]] Displacement after(const Displacement& earlier) const;
+
+    [[nodiscard]] AntennaState of(const AntennaState& state) const;
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(rotation, velocity, position, offset, any);
+    }
+};
+
 class AntennaHistory {
   public:
     static constexpr std::size_t kCapacity = 256;
@@ -43,7 +64,7 @@ class AntennaHistory {
     // position would have been others then is neglected, the more the longer ago: of a turn by phi, phi x f L
     // of the velocity L before now (0.035 m/s for 2 degrees, 5 m/s2 and 0.2 s). It concerns fixes that were
     // valid before the one before them was used, which takes a latency longer than their interval.
-    // `travelled` is the running sum now.
+    // `travelled` is the running sum now. Noted with the newest entry, applied to those that are read.
     void turn(const Eigen::Matrix3d& R, const IntervalAverage& travelled);
     void shift(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement);
 
@@ -56,12 +77,25 @@ class AntennaHistory {
     }
 
   private:
+    struct Entry {
+        AntennaState state;    // as it was
+        Displacement since{};  // after it, and before the next
+
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(state, since);
+        }
+    };
+
     // Entry `age` steps before the newest.
-    [[nodiscard]] const AntennaState& back(std::size_t age) const {
+    [[nodiscard]] const Entry& back(std::size_t age) const {
         return entries_[(newest_ + kCapacity - age) % kCapacity];
     }
+    [[nodiscard]] Entry& back(std::size_t age) { return entries_[(newest_ + kCapacity - age) % kCapacity]; }
 
-    std::array<AntennaState, kCapacity> entries_{};
+    void displace(const Displacement& more);
+
+    std::array<Entry, kCapacity> entries_{};
     std::size_t newest_ = 0;
     std::size_t size_ = 0;
 };

@@ -21,6 +21,9 @@ class IntervalAverage {
 
     // What has been added between two moments of a running sum, and such a sum at a share of the way between
     // two.
+    friend IntervalAverage operator+(const IntervalAverage& one, const IntervalAverage& other) {
+        return mix(one, 1.0, other, 1.0);
+    }
     friend IntervalAverage operator-(const IntervalAverage& later, const IntervalAverage& earlier) {
         return mix(later, 1.0, earlier, -1.0);
     }
@@ -42,6 +45,7 @@ class IntervalAverage {
     [[nodiscard]] Eigen::Vector3d force() const {
         return delta_velocity_n_ / duration_;
     }  // computed ENU [m/s2]
+    [[nodiscard]] const Eigen::Vector3d& displacement() const { return displacement_; }   // ENU [m]
     [[nodiscard]] Eigen::Vector3d velocity() const { return displacement_ / duration_; }  // ENU [m/s]
 
     template <class Archive>

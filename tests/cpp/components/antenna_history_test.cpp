@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <vector>
 
 namespace truenorth {
 namespace {
@@ -128,6 +129,50 @@ TEST(AntennaHistory, TurnTurnsAttitudeAndLeverArmOfEveryEntry) {
         EXPECT_LT((after->lever_velocity - R * before.lever_velocity).norm(), 1e-4);
         EXPECT_LT((after->velocity - after->lever_velocity - before.velocity + before.lever_velocity).norm(),
                   1e-12);
+    }
+}
+
+// What it holds must be what it would hold had every entry been changed at every correction: also of entries
+// that corrections lie between, and of those that a faster IMU has replaced.
+TEST(AntennaHistory, CorrectionsBetweenEntriesConcernTheOlderOnesAlone) {
+    for (const double dt : {0.1, 0.004}) {
+        AntennaHistory history;
+        std::vector<AntennaState> kept;
+        for (int k = 0; k <= 20; ++k) {
+            AntennaState state = state_at(dt * k);
+            state.lever_velocity = Vector3d(0.3, 0.01 * k, -0.2);
+            state.q_bn = Eigen::AngleAxisd(0.05 * k, Vector3d(0.6, 0.0, 0.8));
+            history.push(state);
+            kept.push_back(state);
+            if (k % 3 == 0) {
+                const Eigen::Quaterniond R(Eigen::AngleAxisd(0.1 + 0.01 * k, Vector3d(0.0, 0.8, 0.6)));
+                const Vector3d dv(0.1, 0.02 * k, -0.3);
+                const Vector3d dp(3.0, -2.0, 0.1 * k);
+                history.turn(R.toRotationMatrix(), {});
+                history.shift(dv, dp);
+                for (AntennaState& entry : kept) {
+                    const Vector3d lever_velocity = R * entry.lever_velocity;
+                    entry.velocity += lever_velocity - entry.lever_velocity + dv;
+                    entry.lever_velocity = lever_velocity;
+                    entry.q_bn = R * entry.q_bn;
+                    entry.position = earth::displaced(entry.position, dp);
+                }
+            }
+        }
+        int found = 0;
+        for (const AntennaState& entry : kept) {
+            const auto there = history.at(entry.time);
+            ASSERT_TRUE(there) << entry.time;
+            if ((there->q_bn.coeffs() - entry.q_bn.coeffs()).norm() > 1e-3) {
+                continue;  // replaced by a later sample: interpolated
+            }
+            ++found;
+            EXPECT_LT((there->velocity - entry.velocity).norm(), 1e-12) << entry.time;
+            EXPECT_LT((there->lever_velocity - entry.lever_velocity).norm(), 1e-12) << entry.time;
+            EXPECT_LT((there->q_bn.coeffs() - entry.q_bn.coeffs()).norm(), 1e-12) << entry.time;
+            EXPECT_LT(earth::displacement(entry.position, there->position).norm(), 1e-4) << entry.time;
+        }
+        EXPECT_GE(found, dt > AntennaHistory::kSpacing ? 21 : 7);
     }
 }
 
