@@ -9,6 +9,7 @@ import sim_scenarios
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics.navigation import NavigationVerdict, judge
 from sim_scenarios.metrics.statistics import chi_square_interval
+from sim_scenarios.scenario import load_scenario
 
 CHANNELS = 6
 
@@ -44,6 +45,16 @@ def test_the_adaptive_factor_survives_a_fault_of_the_accelerometers(fmus: Fmus) 
         assert found[label].horizontal < single_fix
     assert not found["UKF"].ok
     assert found["IGG without guard"].horizontal > 1000.0
+
+
+def test_the_fixes_of_jing_2023_have_its_sigmas(fmus: Fmus) -> None:
+    """Eq. 20: 0.2 m/s and 8 m, of the receiver and as the filter is told."""
+    scenario = load_scenario("flight_varying_noise", fmus)
+    for axis in (1, 2, 3):
+        assert scenario.plant[f"gnss.velocity_sigma[{axis}]"] == 0.2
+        assert scenario.plant[f"gnss.position_sigma[{axis}]"] == 8.0
+    told = {name: scenario.filter[f"measurement.{name}_sigma"] for name in ("position", "height", "velocity")}
+    assert told == {"position": 8.0, "height": 8.0, "velocity": 0.2}
 
 
 def test_variational_bayes_learns_the_noise(fmus: Fmus) -> None:

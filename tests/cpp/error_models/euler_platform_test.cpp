@@ -69,6 +69,28 @@ TEST(EulerPlatformRate, IsTheTranscriptionOfEveryForm) {
     }
 }
 
+// Without a matrix of the product: (I - C) w = alpha x w, and the force of the true frame turns by alpha.
+TEST(EulerPlatformRate, OfSmallAnglesIsEquation27WordForWord) {
+    RandomValues random(3);
+    for (int n = 0; n < 100; ++n) {
+        const State x = random_state(random);
+        const Vector3d alpha = x.head<3>();
+        const Vector3d dv = x.tail<3>();
+        const Model::Interval i = at_rest(random);
+        const Vector3d dw_en(-dv.y() * i.per_meridian_radius, dv.x() * i.per_prime_vertical_radius,
+                             dv.x() * i.per_prime_vertical_radius * i.tan_latitude);
+        for (const Form velocity_form : kVelocityForms) {
+            const Vector3d force =
+                velocity_form == Form::vertical_force ? Vector3d(0.0, 0.0, i.gravity) : i.force;
+            const Model model{.form = Misalignment::small, .velocity_form = velocity_form};
+            const State rate = model.rate(x, i);
+            EXPECT_LT((rate.head<3>() - alpha.cross(i.omega_ie) - dw_en).norm(), 1e-18);
+            EXPECT_LT((rate.tail<3>() - force.cross(alpha) + (2.0 * i.omega_ie + dw_en).cross(dv)).norm(),
+                      1e-13);
+        }
+    }
+}
+
 TEST(EulerPlatformRate, TakesASetOfPointsAsItTakesEachOfThem) {
     RandomValues random(2);
     const Model::Interval interval = at_rest(random);

@@ -219,6 +219,15 @@ TEST(FullStateMeasurement, MatrixIsTheDerivativeOfThePrediction) {
     }
 }
 
+TEST(FullStateMeasurement, NoiseIsTheSquaredSigmas) {
+    Model model;
+    model.noise.position_sigma = {2.0, 3.0, 5.0};
+    model.noise.velocity_sigma = {0.1, 0.2, 0.4};
+    Vector<6> variance;
+    variance << 4.0, 9.0, 25.0, 0.01, 0.04, 0.16;
+    EXPECT_LT((model.measurement_noise({}, {}) - Matrix<6>(variance.asDiagonal())).norm(), 1e-15);
+}
+
 TEST(FullStateMeasurement, OfTheTruthHasNoResidual) {
     RandomValues random(5);
     const NavigationState x = random.navigation_state();

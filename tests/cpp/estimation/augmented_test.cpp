@@ -190,6 +190,28 @@ TEST_P(AugmentedPredictor, IsTheInnovationWithTheNoiseInTheState) {
     }
 }
 
+// Of a measurement that a weight of 0.3 has made less certain (Chen 2019, eqs. 30 and 31).
+struct DoubtedMeasurement : CurvedMeasurement {
+    [[nodiscard]] static Eigen::Matrix2d measurement_noise(const State& x, const Fix& fix) {
+        return CurvedMeasurement::measurement_noise(x, fix) / 0.3;
+    }
+};
+
+TEST_P(AugmentedPredictor, PointsDrawnAnewForAnotherNoiseChangeTheNoiseAlone) {
+    RandomCovariance random(GetParam());
+    for (const UnscentedParameters& p : kParameters) {
+        const Vector<3> x = random.normal<3, 1>();
+        const Matrix<3> P = random.covariance<3>(1e-3, 1.0);
+        const CurvedMeasurement::Fix fix{random.normal<2, 1>()};
+        const auto told = Augmented(p).innovate(CurvedMeasurement{}, x, P, fix);
+        const auto doubted = Augmented(p).innovate(DoubtedMeasurement{}, x, P, fix);
+        EXPECT_LT((told.residual - doubted.residual).norm(), 1e-12);
+        EXPECT_LT(relative_difference(told.spread, doubted.spread), 1e-10);
+        EXPECT_LT(relative_difference(told.cross, doubted.cross), 1e-12);
+        EXPECT_LT(relative_difference(Matrix<2>(told.noise / 0.3), doubted.noise), 1e-14);
+    }
+}
+
 TEST_P(AugmentedPredictor, EqualsTheSimplifiedOneWithPointsAtTheSameDistance) {
     // alpha^2 (n + q + kappa) = alpha^2 (n + kappa'): three process noises, two measurement noises.
     RandomCovariance random(GetParam());

@@ -22,5 +22,31 @@ TEST(Innovate, PredictsAFixFromStateAndCovariance) {
     EXPECT_EQ(innovation.noise, Eigen::Matrix2d(Eigen::Vector2d(0.04, 0.09).asDiagonal()));
 }
 
+TEST(Innovate, OfAnyMeasurementMatrixIsPHtAndHPHt) {
+    RandomCovariance random(7);
+    const Matrix<4> P = random.covariance<4>(0.1, 2.0);
+    const Matrix<2, 4> H = random.normal<2, 4>();
+    const auto innovation =
+        innovate(LinearModel<4>{}, Vector<4>(Vector<4>::Zero()), P, {Eigen::Vector2d::Zero()}, H);
+    for (int j = 0; j < 2; ++j) {
+        for (int i = 0; i < 4; ++i) {
+            double cross = 0.0;
+            for (int k = 0; k < 4; ++k) {
+                cross += P(i, k) * H(j, k);
+            }
+            EXPECT_NEAR(innovation.cross(i, j), cross, 1e-13);
+        }
+        for (int i = 0; i < 2; ++i) {
+            double spread = 0.0;
+            for (int k = 0; k < 4; ++k) {
+                for (int l = 0; l < 4; ++l) {
+                    spread += H(i, k) * P(k, l) * H(j, l);
+                }
+            }
+            EXPECT_NEAR(innovation.spread(i, j), spread, 1e-13);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace truenorth
