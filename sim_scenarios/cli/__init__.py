@@ -5,10 +5,15 @@ Each subcommand is a module of its own; `application` registers them.
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
+import threading
 from types import FrameType
-from typing import Final
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from sys import UnraisableHookArgs
 
 INTERRUPTED: Final = 130  # 128 + SIGINT, as shells have it
 
@@ -28,6 +33,14 @@ def main() -> None:
         received = signal.Signals(number)
         raise KeyboardInterrupt
 
+    def ask_again(ignored: UnraisableHookArgs) -> None:
+        # Python drops what is raised where nobody can catch it, as in the callback of a weak reference.
+        if ignored.exc_type is KeyboardInterrupt:
+            threading.Timer(0.01, os.kill, [os.getpid(), received]).start()
+        else:
+            sys.__unraisablehook__(ignored)
+
+    sys.unraisablehook = ask_again
     ending = [signal.Signals[name] for name in _ENDING if hasattr(signal, name)]
     for one in ending:
         if signal.getsignal(one) is signal.SIG_DFL:  # neither Python's own, nor ignored as by nohup
