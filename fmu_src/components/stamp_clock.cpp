@@ -1,0 +1,48 @@
+#include "components/stamp_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "components/time_tolerance.hpp"
+
+namespace truenorth {
+
+namespace {
+
+constexpr int kConfirmations = 3;  // stamps in a row that show the same before it is believed
+constexpr double kAlike = 0.1;     // [s]
+
+}  // namespace
+
+// Whether so many stamps in a row have been off by the same that they are right by another clock.
+bool StampClock::strays_alike(double ahead) {
+    strays_ = strays_ > 0 && std::abs(ahead - ahead_) < kAlike ? strays_ + 1 : 1;
+    ahead_ = ahead;
+    disagreements_ = std::min(disagreements_, std::numeric_limits<int>::max() - 1) + 1;
+    return strays_ >= kConfirmations;
+}
+
+StampClock::Verdict StampClock::read(double stamp, const Moment& moment) {
+    // If the IMU's clock has been set since the last stamp, this one may have been set with it.
+    const double ahead = stamp - offset_ - moment.now;
+    const double set = moment.offset - imu_offset_;
+    const bool together = set != 0.0 && std::abs(ahead - set + latency_) < std::abs(ahead + latency_);
+    const bool back = stamp <= last_stamp_;
+    const bool future = ahead > kTimeTolerance + std::max(moment.slack, kAhead);
+    if (together) {
+        offset_ += set;
+    } else if (back || future) {
+        if (!strays_alike(ahead)) {
+            return back ? Verdict::backwards : Verdict::future;
+        }
+        offset_ += ahead + latency_;
+    }
+    strays_ = 0;
+    imu_offset_ = moment.offset;
+    last_stamp_ = stamp;
+    valid_at_ = stamp - offset_;
+    latency_ = moment.now - valid_at_;
+    return Verdict::accepted;
+}
+
+}  // namespace truenorth
