@@ -1,0 +1,30 @@
+#include "aiding/heading.hpp"
+
+#include <limits>
+
+#include "inertial/attitude.hpp"
+
+namespace truenorth::aiding {
+
+Eigen::RowVector3d heading_gradient(const Eigen::Quaterniond& q_bn) {
+    const Eigen::Vector3d forward = q_bn * Eigen::Vector3d::UnitY();
+    const double level = forward.head<2>().squaredNorm();
+    if (level < 1e-12) {
+        return Eigen::RowVector3d::Zero();
+    }
+    return {-forward.x() * forward.z() / level, -forward.y() * forward.z() / level, 1.0};
+}
+
+Observation<1> heading(const Moment& moment, double measured) {
+    const Eigen::Quaterniond& q_bn = moment.state.q_bn;
+    const Eigen::RowVector3d gradient = heading_gradient(q_bn);
+    const double difference = wrap_angle(euler_angles(q_bn.toRotationMatrix()).heading - measured);
+    constexpr double kLevelEnough = 0.03;  // cos^2 of 80 degrees
+    const bool defined = (q_bn * Eigen::Vector3d::UnitY()).head<2>().squaredNorm() > kLevelEnough;
+    Observation<1> observation{Vector<1>(defined ? difference : std::numeric_limits<double>::quiet_NaN()),
+                               Matrix<1, kErrors>::Zero()};
+    observation.sensitivity.segment<3>(kMisalignment) = gradient;
+    return observation;
+}
+
+}  // namespace truenorth::aiding

@@ -1,0 +1,10 @@
+// Height of the IMU above the ellipsoid: a barometer, a depth gauge, a ship that stays on the sea.
+#pragma once
+
+#include "aiding/observation.hpp"
+
+namespace truenorth::aiding {
+
+Observation<1> height(const Moment& moment, double measured);  // [m]
+
+}  // namespace truenorth::aiding

@@ -1,0 +1,67 @@
+// What a filter remembers of an aid: what it has read, and how its innovations have been of late.
+#pragma once
+
+#include <algorithm>
+
+#include "components/filter_events.hpp"
+#include "components/repetition.hpp"
+#include "components/stamp_clock.hpp"
+#include "estimation/innovation_gate.hpp"
+#include "estimation/nis_window.hpp"
+
+namespace truenorth {
+
+struct AidMemory {
+    int sample = 0;      // that was read last
+    int used = 0;        // measurements that corrected the estimate
+    int rejected = 0;    // that did not
+    double last = 0.0;   // when one did, or the start, by the master's clock [s]
+    double heard = 0.0;  // when one came [s]
+    StampClock clock;
+    NisWindow window;
+    Repetition<kRefusals> told;
+
+    void start(double now) {
+        window.restart();
+        refused_ = 0;
+        contradictions_ = 0;
+        last = now;
+        heard = now;
+    }
+
+    // Whether a measurement may be used, which its covariance explains or not.
+    bool admits(const InnovationGate& gate, double nis, int channels) {
+        const bool explained = gate.explains(nis, channels);
+        contradictions_ = explained ? 0 : std::min(contradictions_ + 1, kMost);
+        const bool admitted = explained || !gate.enabled;
+        refused_ = admitted ? 0 : std::min(refused_ + 1, kMost);
+        return admitted;
+    }
+
+    // So many in a row were beyond what the covariance explains, the last of them within the window; and so
+    // many were refused.
+    [[nodiscard]] int contradictions(double now) const {
+        return now - heard > window.length ? 0 : contradictions_;
+    }
+    [[nodiscard]] bool out_of_patience(int patience) const { return patience > 0 && refused_ >= patience; }
+
+    // The prediction has been blamed.
+    void forgive() {
+        refused_ = 0;
+        contradictions_ = 0;
+        window.restart();
+    }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(sample, used, rejected, last, heard, clock, window, told, refused_, contradictions_);
+    }
+
+  private:
+    static constexpr int kMost = 1'000'000;
+
+    int refused_ = 0;
+    int contradictions_ = 0;
+};
+
+}  // namespace truenorth

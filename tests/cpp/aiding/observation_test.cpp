@@ -1,0 +1,100 @@
+// The sensitivity of what the aids observe is its derivative with respect to the errors of a navigation
+// state, as error_models/navigation_error.hpp has them.
+#include "aiding/observation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "aiding/body_velocity.hpp"
+#include "aiding/heading.hpp"
+#include "aiding/height.hpp"
+#include "error_models/central_difference.hpp"
+#include "error_models/navigation_error.hpp"
+#include "error_models/random_values.hpp"
+
+namespace truenorth::aiding {
+namespace {
+
+using Eigen::Vector3d;
+using Errors = Vector<kErrors>;
+
+// The computed state that is off by these errors, and the gyros' with it.
+Moment wrong(const Moment& truth, const Errors& errors) {
+    return {.state = navigation_error::retract(truth.state, errors.head<9>()),
+            .omega_eb_b = truth.omega_eb_b + errors.segment<3>(kGyro)};
+}
+
+template <int K, class Observe>
+void expect_derivative(const Observe& observe, const Moment& truth, double tolerance) {
+    const auto difference = [&](const Errors& errors) { return observe(wrong(truth, errors)).difference; };
+    const Matrix<K, kErrors> expected =
+        central_difference<K, kErrors>(difference, Errors(Errors::Zero()), 1e-4);
+    EXPECT_LT((observe(truth).sensitivity - expected).cwiseAbs().maxCoeff(), tolerance);
+}
+
+TEST(Observation, SensitivityIsTheDerivativeOfTheDifference) {
+    RandomValues random(1);
+    for (int n = 0; n < 50; ++n) {
+        const Moment truth{.state = random.navigation_state(), .omega_eb_b = random.vector(0.5)};
+        const Vector3d lever_arm = random.vector(5.0);
+        const Vector3d measured = random.vector(20.0);
+        expect_derivative<3>([&](const Moment& m) { return body_velocity(m, lever_arm, measured); }, truth,
+                             1e-4);
+        expect_derivative<1>([&](const Moment& m) { return height(m, 17.0); }, truth, 1e-6);
+        if (std::abs((truth.state.q_bn * Vector3d::UnitY()).z()) < 0.95) {
+            expect_derivative<1>([&](const Moment& m) { return heading(m, 0.3); }, truth, 1e-4);
+        }
+    }
+}
+
+TEST(Observation, OfTheTruthDiffersByNothing) {
+    const Eigen::Matrix3d C_bn = dcm({.roll = 0.1, .pitch = -0.2, .heading = 2.5});
+    const Moment truth{.state = {.q_bn = Eigen::Quaterniond(C_bn),
+                                 .velocity = {3.0, -4.0, 0.5},
+                                 .position = {.latitude = 0.6, .longitude = 1.0, .height = 12.0}},
+                       .omega_eb_b = {0.0, 0.0, 0.1}};
+    // 2 m forward of the IMU, turning at 0.1 rad/s about up: 0.2 m/s to the left.
+    const Vector3d measured = C_bn.transpose() * truth.state.velocity + Vector3d(-0.2, 0.0, 0.0);
+    EXPECT_LT(body_velocity(truth, {0.0, 2.0, 0.0}, measured).difference.norm(), 1e-12);
+    EXPECT_NEAR(heading(truth, 2.5).difference(0), 0.0, 1e-12);
+    EXPECT_NEAR(heading(truth, 2.5 + 6.0).difference(0), -6.0 + 2.0 * 3.141592653589793, 1e-9);
+    EXPECT_NEAR(height(truth, 10.0).difference(0), 2.0, 1e-12);
+}
+
+TEST(Observation, OfASteepBodyThereIsNoHeading) {
+    for (const double pitch : {1.3, 1.5, 1.5707963267948966}) {
+        const Eigen::Matrix3d C_bn = dcm({.roll = 0.0, .pitch = pitch, .heading = 0.0});
+        Moment steep;
+        steep.state.q_bn = Eigen::Quaterniond(C_bn);
+        EXPECT_EQ(std::isnan(heading(steep, 0.0).difference(0)), pitch > 1.4);
+    }
+    const Eigen::Matrix3d upright = dcm({.roll = 0.0, .pitch = 1.5707963267948966, .heading = 0.0});
+    EXPECT_TRUE(heading_gradient(Eigen::Quaterniond(upright)).isZero(0.0));
+}
+
+TEST(Observation, MakesAnInnovationOfWhatIsMeasured) {
+    RandomValues random(2);
+    const Moment truth{.state = random.navigation_state(), .omega_eb_b = random.vector(0.5)};
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const auto observation = body_velocity(truth, random.vector(5.0), {nan, 1.0, 2.0});
+    const Matrix<kErrors, 4> errors = Matrix<kErrors, 4>::Random();
+    const Matrix<4> root = Matrix<4>::Random();
+    const Matrix<4> P = root * root.transpose();
+    const Vector3d sigma(nan, 0.1, 0.2);
+    const auto innovation = innovation_of(observation, sigma, errors, P);
+    EXPECT_EQ(innovation.channels(), 2);
+    const Matrix<3, 4> H = observation.sensitivity * errors;
+    for (int i = 1; i < 3; ++i) {
+        EXPECT_EQ(innovation.residual(i), observation.difference(i));
+        EXPECT_NEAR(innovation.noise(i, i), sigma(i) * sigma(i), 1e-15);
+        EXPECT_LT((innovation.cross.col(i) - P * H.row(i).transpose()).norm(), 1e-9);
+        EXPECT_NEAR(innovation.spread(i, i), H.row(i) * P * H.row(i).transpose(), 1e-6);
+    }
+    EXPECT_TRUE(innovation.cross.col(0).isZero(0.0));
+    EXPECT_TRUE(innovation.residual.allFinite());
+}
+
+}  // namespace
+}  // namespace truenorth::aiding
