@@ -12,6 +12,9 @@ from declaration import Declaration
 PORTS = {
     "imu": "Increments of an inertial measurement unit",
     "gnss": "Fixes of a GNSS receiver",
+    "body_velocity": "Velocities in body axes",
+    "heading_aid": "Headings",
+    "height_aid": "Heights",
 }
 """Groups of inputs and outputs that are a port, and what the port carries."""
 

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import START, Fmu, Variable
+from sim_scenarios.fmus import OPTIONAL, START, Fmu, Variable
 from sim_scenarios.instance import Instance, Port, Signals
 
 Array = NDArray[np.float64]
@@ -259,9 +259,13 @@ class Recorded:
 
 
 def connected(source: Iterable[str], sink: Fmu) -> list[str]:
-    """Inputs of a filter that take signals, each of which the source must have."""
+    """Inputs of a filter that take signals. The source must have them, but for what need not be there."""
     available = set(source)
-    signals = [name for name in sink.inputs() if not sink.variables[name].settable]
+    signals = [
+        name
+        for name in sink.inputs()
+        if not sink.variables[name].settable and (name in available or not name.startswith(OPTIONAL))
+    ]
     if missing := [name for name in signals if name not in available]:
         raise InputError(f"nothing is connected to the inputs {', '.join(missing)} of {sink.name}")
     return signals

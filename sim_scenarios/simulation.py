@@ -69,6 +69,10 @@ NOT_IN_THE_BOUND = (
     "gnss.satellite_limit.",
     "fault.imu.kind",
     "fault.gnss.kind",
+    "gnss.measures_",
+    "body_velocity.rate",
+    "heading_aid.rate",
+    "height_aid.rate",
 )
 """Beginnings of the names of plant parameters that are no part of the Cramer-Rao bound."""
 MANOEUVRES = (

@@ -13,8 +13,9 @@ MAY_INCLUDE = {
     "inertial": {"inertial"},
     "estimation": {"estimation"},
     "error_models": {"error_models", "estimation", "inertial"},
+    "aiding": {"aiding", "estimation", "inertial"},
     "plant": {"plant", "inertial"},
-    "components": {"components", "error_models", "estimation", "plant", "inertial"},
+    "components": {"components", "error_models", "aiding", "estimation", "plant", "inertial"},
     "fmi": {"fmi", "components"},
 }
 INCLUDE = re.compile(r'^\s*#include "(?P<layer>\w+)/', re.MULTILINE)

@@ -21,8 +21,9 @@ Observation<1> heading(const Moment& moment, double measured) {
     const double difference = wrap_angle(euler_angles(q_bn.toRotationMatrix()).heading - measured);
     constexpr double kLevelEnough = 0.03;  // cos^2 of 80 degrees
     const bool defined = (q_bn * Eigen::Vector3d::UnitY()).head<2>().squaredNorm() > kLevelEnough;
-    Observation<1> observation{Vector<1>(defined ? difference : std::numeric_limits<double>::quiet_NaN()),
-                               Matrix<1, kErrors>::Zero()};
+    Observation<1> observation{
+        .difference = Vector<1>(defined ? difference : std::numeric_limits<double>::quiet_NaN()),
+        .sensitivity = Matrix<1, kErrors>::Zero()};
     observation.sensitivity.segment<3>(kMisalignment) = gradient;
     return observation;
 }

@@ -8,6 +8,7 @@
 //   configure(model, p)      form and noise of the model
 //   set_prior(sigma, p)      optional: prior sigmas of the states that are no Block
 //   fix_of(sighting, port)   the model's Fix; `port` is the filter's input `gnss`
+//   component(i)             optional: which component of a GnssFix measurement i is
 //   slot(i, output)          optional: the element of an output such as `innovation` that is measurement i
 //   publish(outputs, x, sigma)  optional: outputs of the states that are no Block
 //   blame(P, more)           optional: the variance that an Uncertainty gives to states that are no Block

@@ -1,5 +1,6 @@
 #include "components/alignment_filter.hpp"
 
+#include "components/inertial_filter_aid.hpp"
 #include "components/inertial_filter_fix.hpp"
 #include "components/inertial_filter_run.hpp"
 

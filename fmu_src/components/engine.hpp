@@ -6,8 +6,10 @@
 // each adapter.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
+#include "aiding/observation.hpp"
 #include "components/hand_over.hpp"
 #include "estimation/corrector.hpp"
 #include "estimation/estimator.hpp"
@@ -48,6 +50,7 @@ template <ErrorModel M>
 class Engine {
   public:
     using Where = Adapter<M>;
+    using Correction = truenorth::Correction<M::kStates, M::kMeasurements>;
     static constexpr int kStates = M::kStates;
     static constexpr int kMeasurements = M::kMeasurements;
     static constexpr bool kFindsPosition = Where::position.count > 0;
@@ -66,10 +69,12 @@ class Engine {
     void forget(const Eigen::Vector3d& attitude_sigma);
 
     // What the corrector makes of an innovation.
-    [[nodiscard]] Correction<kStates, kMeasurements> corrected(
-        const Innovation<kStates, kMeasurements>& innovation) {
+    [[nodiscard]] Correction corrected(const Innovation<kStates, kMeasurements>& innovation) {
         return corrector.correct(estimator.covariance, innovation);
     }
+
+    // A mechanised state with what the estimate says of its errors taken out.
+    [[nodiscard]] static NavigationState estimated(const NavigationState& mechanised) { return mechanised; }
 
     // What is known of the navigation state and the sensors becomes less certain.
     void add_uncertainty(const Uncertainty& more);
@@ -89,6 +94,10 @@ class Engine {
     }
 
   protected:
+    // Of the errors of the navigation state (aiding/observation.hpp) with respect to those of the states, for
+    // such a model.
+    [[nodiscard]] static Matrix<aiding::kErrors, kStates> errors_of_states();
+
     // As a covariance of the states, for a model whose errors are those of the navigation state, ENU.
     [[nodiscard]] Matrix<kStates> states_of(const Uncertainty& more) const;
 
@@ -136,6 +145,25 @@ template <ErrorModel M>
 Eigen::Vector3d Engine<M>::misalignment_sigma() const {
     const Vector<kStates> sigma = estimator.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     return components(sigma, Where::attitude);
+}
+
+template <ErrorModel M>
+auto Engine<M>::errors_of_states() -> Matrix<aiding::kErrors, kStates> {
+    Matrix<aiding::kErrors, kStates> J = Matrix<aiding::kErrors, kStates>::Zero();
+    const auto put = [&J](int error, Block block) {
+        for (int i = 0; i < block.count; ++i) {
+            J(error + i, block.first + i) = 1.0;
+        }
+    };
+    put(aiding::kMisalignment, Where::attitude);
+    put(aiding::kVelocity, Where::velocity);
+    put(aiding::kPosition, Where::position);
+    put(aiding::kGyro, Where::gyro);
+    put(aiding::kAccelerometer, Where::accelerometer);
+    if constexpr (requires { Where::markov; }) {
+        put(aiding::kGyro, {.first = Where::markov.first, .count = std::min(Where::markov.count, 6)});
+    }
+    return J;
 }
 
 template <ErrorModel M>

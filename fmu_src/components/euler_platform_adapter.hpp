@@ -65,6 +65,8 @@ struct Adapter<EulerPlatform> {
                        .velocity_sigma = p.measurement.velocity_sigma};
     }
 
+    static constexpr int component(int measurement) { return 3 + measurement; }  // of a GnssFix
+
     template <class Port>
     static EulerPlatform::Fix fix_of(const Sighting& seen, const Port& /*gnss*/) {
         return {.velocity = seen.then.velocity - seen.fix.velocity};

@@ -49,6 +49,8 @@ enum class Refusal : std::uint8_t {
     future,
     uncovered,
     too_old,
+    incomplete,
+    coarse,
     no_channel,
     no_weight,
     beyond_gate
@@ -61,7 +63,7 @@ inline const char* reason(Refusal refusal) {
         case Refusal::not_finite:
             return "a value is not finite";
         case Refusal::impossible:
-            return "position or velocity is impossible";
+            return "a value is impossible";
         case Refusal::frozen:
             return "to the bit that of the fix before, at a speed: the receiver hangs";
         case Refusal::backwards:
@@ -72,8 +74,12 @@ inline const char* reason(Refusal refusal) {
             return "no IMU data came to cover it";
         case Refusal::too_old:
             return "it is older than the history that is kept, 2.5 s or 256 IMU samples";
+        case Refusal::incomplete:
+            return "a coarse stage needs position and velocity, all three components (coarse.enabled)";
+        case Refusal::coarse:
+            return "a coarse stage takes nothing but fixes (coarse.enabled)";
         case Refusal::no_channel:
-            return "no channel has a usable measurement";
+            return "it measures nothing that the model can use";
         case Refusal::no_weight:
             return "every component lost its weight";
         case Refusal::beyond_gate:
@@ -107,7 +113,7 @@ inline Refusal refusal_of(const InnovationGate& gate, double nis, int channels) 
 }
 
 // Why the sigmas cannot be believed.
-enum class Contradiction : std::uint8_t { none, fixes, innovations, start };
+enum class Contradiction : std::uint8_t { none, fixes, innovations, aids, start };
 
 inline const char* reason(Contradiction contradiction) {
     switch (contradiction) {
@@ -115,6 +121,8 @@ inline const char* reason(Contradiction contradiction) {
             return "fixes in a row are beyond what it explains (gate.threshold)";
         case Contradiction::innovations:
             return "innovations are larger than it allows (consistency.window, consistency.limit)";
+        case Contradiction::aids:
+            return "measurements of an aid are beyond what it explains (gate.threshold, consistency.limit)";
         case Contradiction::start:
             return "the attitude has been corrected by more than the sigmas it set out with "
                    "(consistency.limit)";
@@ -125,8 +133,8 @@ inline const char* reason(Contradiction contradiction) {
 }
 
 // What else happens many times.
-enum class Notice : std::uint8_t { gap, repaired, infeasible };
+enum class Notice : std::uint8_t { gap, repaired, infeasible, doubted };
 
-inline constexpr std::size_t kNotices = static_cast<std::size_t>(Notice::infeasible) + 1;
+inline constexpr std::size_t kNotices = static_cast<std::size_t>(Notice::doubted) + 1;
 
 }  // namespace truenorth

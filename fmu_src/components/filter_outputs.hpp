@@ -5,27 +5,22 @@
 #include <cmath>
 #include <numbers>
 
+#include "aiding/heading.hpp"
+#include "components/aid_memory.hpp"
 #include "components/engine.hpp"
 #include "estimation/innovation_gate.hpp"
 
 namespace truenorth {
 
-// Heading is the azimuth of the body's forward axis f: of a misalignment phi, ENU, its error is
-//
-//     phi_u - (f_e phi_e + f_n phi_n) f_u / (f_e^2 + f_n^2),
-//
-// computed minus true, for small phi. With the forward axis steep the tilts tell in it; straight up there is
-// no heading. Its sigma is that of a uniform distribution on the circle at most.
+// Of the azimuth of the body's forward axis. With that axis steep the tilts tell in it; straight up there is
+// no heading. That of a uniform distribution on the circle at most.
 inline double heading_sigma(const Eigen::Matrix3d& attitude_covariance, const Eigen::Quaterniond& q_bn) {
     constexpr double kAny = std::numbers::pi / std::numbers::sqrt3;
-    const Eigen::Vector3d forward = q_bn * Eigen::Vector3d::UnitY();
-    const double level = forward.head<2>().squaredNorm();
-    if (level < 1e-12) {
+    const Eigen::RowVector3d gradient = aiding::heading_gradient(q_bn);
+    if (gradient.z() == 0.0) {
         return kAny;
     }
-    const Eigen::Vector3d gradient(-forward.x() * forward.z() / level, -forward.y() * forward.z() / level,
-                                   1.0);
-    const double variance = gradient.dot(attitude_covariance * gradient);
+    const double variance = gradient.dot(gradient * attitude_covariance);
     return std::min(std::sqrt(std::max(variance, 0.0)), kAny);
 }
 
@@ -64,6 +59,15 @@ void publish_estimate(Outputs& outputs, const Engine& engine, double time, const
     if constexpr (requires { engine.adapter.publish(outputs, engine.estimator.state, sigma); }) {
         engine.adapter.publish(outputs, engine.estimator.state, sigma);
     }
+}
+
+// How an aid is.
+template <class Health>
+void publish_health_of(Health& health, const AidMemory& memory, double now, double clock) {
+    health.nis_mean = memory.window.mean(now);
+    health.used = memory.used;
+    health.rejected = memory.rejected;
+    health.silent_for = clock - memory.last;
 }
 
 // The elements of `output` that belong to the measurements; the others are zero.

@@ -210,6 +210,10 @@ void configure(Engine& engine, const Parameters& p) {
     if constexpr (requires { engine.feedback = p.feedback; }) {
         engine.feedback = p.feedback;
     }
+    if constexpr (requires { engine.gyro_bias_sigma; }) {
+        engine.gyro_bias_sigma = p.prior.gyro_bias_sigma;
+        engine.accelerometer_bias_sigma = p.prior.accelerometer_bias_sigma;
+    }
     if constexpr (requires { engine.coarse_heading_sigma = p.coarse.heading_sigma; }) {
         engine.coarse_heading_sigma = p.coarse.heading_sigma;
         engine.begins_coarsely = p.coarse.enabled;

@@ -3,45 +3,58 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/time_tolerance.hpp"
-
 namespace truenorth {
 
 namespace {
 
-constexpr int kConfirmations = 3;  // stamps in a row that show the same before it is believed
-constexpr double kAlike = 0.1;     // [s]
-
-bool finite(const GnssFix& fix) {
-    const auto& [latitude, longitude, height] = fix.position;
-    return std::isfinite(fix.time) && std::isfinite(latitude) && std::isfinite(longitude) &&
-           std::isfinite(height) && fix.velocity.allFinite();
+GnssFix::Components components(const GnssFix& fix) {
+    GnssFix::Components all;
+    all << fix.position.longitude, fix.position.latitude, fix.position.height, fix.velocity;
+    return all;
 }
 
+// Something is measured, and nothing of it infinite, nor without bounds as its sigma says.
+bool finite(const GnssFix& fix) {
+    const GnssFix::Mask measured = fix.measured();
+    return std::isfinite(fix.time) && (measured.any() || fix.has_channels) &&
+           !components(fix).isInf().any() && measured.select(fix.sigma, 0.0).isFinite().all();
+}
+
+// What is no number is no more than any limit.
 bool impossible(const GnssFix& fix) {
     const auto& [latitude, longitude, height] = fix.position;
+    const GnssFix::Mask measured = fix.measured();
     return std::abs(latitude) > earth::kHighestLatitude ||
            std::abs(longitude) > GnssInput::kLargestLongitude || height < GnssInput::kLowest ||
-           height > GnssInput::kHighest || fix.velocity.norm() > GnssInput::kLargestSpeed;
+           height > GnssInput::kHighest || measured.select(fix.sigma, 0.0).minCoeff() < 0.0 ||
+           measured.select(components(fix), 0.0).tail<3>().matrix().norm() > GnssInput::kLargestSpeed;
 }
 
+bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
 }  // namespace
+
+GnssFix::Mask GnssFix::measured() const { return !components(*this).isNaN(); }
+
+GnssFix GnssFix::filled_from(const earth::Position& place, const Eigen::Vector3d& speed) const {
+    const auto or_else = [](double value, double other) { return std::isnan(value) ? other : value; };
+    GnssFix filled = *this;
+    filled.position = {.latitude = or_else(position.latitude, place.latitude),
+                       .longitude = or_else(position.longitude, place.longitude),
+                       .height = or_else(position.height, place.height)};
+    filled.velocity = velocity.array().isNaN().select(speed, velocity);
+    return filled;
+}
 
 // To the bit the same place as before, at a speed: a receiver that hangs. One that stands on a stand may
 // repeat itself.
 bool GnssInput::repeats(const GnssFix& fix) const {
-    return fix.position.latitude == last_position_.latitude &&
-           fix.position.longitude == last_position_.longitude &&
-           fix.position.height == last_position_.height && fix.velocity == last_velocity_ &&
-           !fix.velocity.isZero(0.0);
-}
-
-// Whether so many stamps in a row have been off by the same that they are right by another clock.
-bool GnssInput::strays_alike(double ahead) {
-    strays_ = strays_ > 0 && std::abs(ahead - ahead_) < kAlike ? strays_ + 1 : 1;
-    ahead_ = ahead;
-    disagreements_ = std::min(disagreements_, std::numeric_limits<int>::max() - 1) + 1;
-    return strays_ >= kConfirmations;
+    const GnssFix last{.position = last_position_, .velocity = last_velocity_};
+    const GnssFix::Components now = components(fix);
+    const GnssFix::Components before = components(last);
+    const bool moves = (fix.velocity.array().abs() > 0.0).any();
+    const bool placed = !std::isnan(fix.position.latitude) && !std::isnan(fix.position.longitude);
+    return moves && placed && std::equal(now.begin(), now.end(), before.begin(), same);
 }
 
 GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment& moment) {
@@ -61,26 +74,15 @@ GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment&
     if (frozen) {
         return Verdict::frozen;
     }
-    // If the IMU's clock has been set since the last fix, this one may have been set with it.
-    const double ahead = fix.time - offset_ - moment.now;
-    const double set = moment.offset - imu_offset_;
-    const bool together = set != 0.0 && std::abs(ahead - set + latency_) < std::abs(ahead + latency_);
-    const bool back = fix.time <= last_time_;
-    const bool future = ahead > kTimeTolerance + std::max(moment.slack, kAhead);
-    if (together) {
-        offset_ += set;
-    } else if (back || future) {
-        if (!strays_alike(ahead)) {
-            return back ? Verdict::backwards : Verdict::future;
-        }
-        offset_ += ahead + latency_;
+    switch (clock_.read(fix.time, moment)) {
+        case StampClock::Verdict::backwards:
+            return Verdict::backwards;
+        case StampClock::Verdict::future:
+            return Verdict::future;
+        case StampClock::Verdict::accepted:
+            break;
     }
-    strays_ = 0;
     any_ = true;
-    imu_offset_ = moment.offset;
-    last_time_ = fix.time;
-    valid_at_ = fix.time - offset_;
-    latency_ = moment.now - valid_at_;
     return Verdict::accepted;
 }
 

@@ -11,12 +11,14 @@
 // it; a filter whose gate refuses one fix after another is on a way back that does not end (recovery.hpp).
 //
 // `Interface` names the generated variables of a component, `Engines` the models that it offers (engine.hpp).
-// The definitions stand in inertial_filter_run.hpp and inertial_filter_fix.hpp, for the file of each
-// component that instantiates them.
+// The definitions stand in inertial_filter_run.hpp, inertial_filter_fix.hpp and inertial_filter_aid.hpp, for
+// the file of each component that instantiates them.
 #pragma once
 
+#include <optional>
 #include <variant>
 
+#include "components/aid_memory.hpp"
 #include "components/antenna_history.hpp"
 #include "components/attitude_ledger.hpp"
 #include "components/filter_events.hpp"
@@ -50,7 +52,8 @@ class InertialFilter {
     void serialize(Archive& archive) {
         archive(parameters, inputs, outputs, imu_, gnss_, waiting_, history_, travelled_, status_,
                 nis_window_, recovery_, finder_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_,
-                told_long_interval_, told_samples_, told_fixes_, told_notices_);
+                was_sure_, told_long_interval_, told_samples_, told_fixes_, told_notices_, gnss_used_,
+                gnss_heard_, travelled_to_fix_, leaned_, body_velocity_, heading_aid_, height_aid_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
             configure_engine();
@@ -86,19 +89,34 @@ class InertialFilter {
     bool take_sample();
     void tell_of(ImuInput::Verdict verdict);
     void warn_of_long_interval();
+    bool take_aids();
+    template <class Aid, class AidPort>
+    bool take_aid(const Aid& aid, const AidPort& port, AidMemory& memory);
+    template <class E, class Aid, int K>
+    std::optional<Refusal> correct_by(E& engine, const Aid& aid, const Vector<K>& measured,
+                                      const Vector<K>& sigma, const AntennaState& then, AidMemory& memory);
+    template <class E, int N, int K>
+    std::optional<Refusal> correct_with(E& engine, const Innovation<N, K>& innovation, AidMemory& memory);
+    template <class E, class Aid>
+    void take_as_it_is(E& engine, const Eigen::Quaterniond& q_bn, const Vector<Aid::kChannels>& difference);
+    template <class Aid>
+    void note_use_of(AidMemory& memory, const Vector<Aid::kChannels>& measured);
     bool take_fix();
     void use(const Port& port, double valid_at);
     [[nodiscard]] static GnssFix fix_at(const Port& port);
+    [[nodiscard]] GnssFix filled(const GnssFix& fix) const;
     void predict();
     void report(Prediction prediction);
     template <class E>
-    void correct(E& engine, const Port& port, const GnssFix& fix, const AntennaState& then);
+    void correct(E& engine, const Port& port, const GnssFix& fix, const GnssFix::Mask& measured,
+                 const AntennaState& then);
     template <class E, class Fix>
-    void correct_coarsely(E& engine, const Fix& fix);
+    void correct_coarsely(E& engine, const Fix& fix);  // of position and velocity
     void turn(const Eigen::Matrix3d& rotation);
+    void follow(const Change& change);
     template <class E, class Residual>
     void recover(E& engine, const Sighting& seen, const Residual& residual);
-    void note_use();
+    void note_use(const GnssFix::Mask& measured);
     template <class E>
     void open_ledger(const E& engine);
     template <class E>
@@ -109,6 +127,13 @@ class InertialFilter {
     void give_up_waiting();
     [[nodiscard]] AntennaState antenna() const;
     void fault(const char* reason);
+    [[nodiscard]] bool alone() const;
+    template <class E>
+    void blame(E& engine, const Uncertainty& more, const char* aid);
+    [[nodiscard]] Uncertainty scale_error() const;
+    void doubt_scale();
+    template <class E>
+    void admit_scale(E& engine);
     void publish_health();
     [[nodiscard]] AttitudeLedger::Gyros gyros() const;
     [[nodiscard]] Contradiction contradiction() const;
@@ -129,11 +154,19 @@ class InertialFilter {
     double clock_ = 0.0;       // the master's [s]
     double forgetting_ = 0.0;  // for how long the H-infinity term has acted [s]
     double last_fix_ = 0.0;    // by the filter's clock, when a fix was used last, or the start [s]
+    double gnss_used_ = 0.0;   // likewise, by the master's clock [s]
+    double gnss_heard_ = 0.0;  // likewise, when one came that could be compared [s]
+    double leaned_ = 0.0;      // by the filter's clock, when the ledger was told last how it may lean [s]
+    Eigen::Vector3d travelled_to_fix_ = Eigen::Vector3d::Zero();  // by then, since the start, ENU [m]
     bool under_way_ = false;
+    bool was_sure_ = false;  // of its attitude, since it set out or that was in doubt
     bool told_long_interval_ = false;
     Repetition<kFindings> told_samples_;
     Repetition<kRefusals> told_fixes_;
     Repetition<kNotices> told_notices_;
+    AidMemory body_velocity_;
+    AidMemory heading_aid_;
+    AidMemory height_aid_;
     std::variant<Engines...> engine_;
 };
 

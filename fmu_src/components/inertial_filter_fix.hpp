@@ -8,11 +8,30 @@ namespace truenorth {
 // A first fix farther than this from initial.* is a wrong initial position rather than an error of it.
 inline constexpr double kFar = 10e3;  // [m]
 
+// The innovation of a fix that does not measure everything, or says how well it does.
+template <class Where, int N, int M>
+void take_sigmas(Innovation<N, M>& innovation, const GnssFix::Mask& measured,
+                 const GnssFix::Components& sigma) {
+    for (int i = 0; i < M; ++i) {
+        const int component = Where::component(i);
+        if (!measured(component)) {
+            innovation.remove(i);
+        } else if (sigma(component) > 0.0) {
+            innovation.noise(i, i) = sigma(component) * sigma(component);
+        }
+    }
+}
+
 template <class Interface, class... Engines>
 GnssFix InertialFilter<Interface, Engines...>::fix_at(const Port& port) {
-    return {.time = port.time,
-            .position = {.latitude = port.latitude, .longitude = port.longitude, .height = port.height},
-            .velocity = port.velocity};
+    GnssFix fix{.time = port.time,
+                .position = {.latitude = port.latitude, .longitude = port.longitude, .height = port.height},
+                .velocity = port.velocity};
+    fix.sigma << port.fix_position_sigma, port.fix_velocity_sigma;
+    if constexpr (requires { port.channel.valid; }) {
+        fix.has_channels = std::ranges::any_of(port.channel.valid, [](bool valid) { return valid; });
+    }
+    return fix;
 }
 
 // Whether one came, or had waited long enough.
@@ -42,17 +61,23 @@ bool InertialFilter<Interface, Engines...>::take_fix() {
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::use(const Port& port, double valid_at) {
-    const GnssFix fix = fix_at(port);
+    const GnssFix came = fix_at(port);
     const auto then = history_.at(valid_at);
     if (!then) {
         reject_fix(Refusal::too_old, port);
         return;
     }
+    const GnssFix fix = came.filled_from(then->position, then->velocity);
+    const GnssFix::Mask measured = came.measured();
+    gnss_heard_ = clock_;
     question_place(fix, *then);
-    finder_.add(*then, fix.velocity, parameters.measurement.velocity_sigma);
+    if (measured(3) && measured(4)) {
+        const double told = fix.sigma.segment<2>(3).maxCoeff();
+        finder_.add(*then, fix.velocity, told > 0.0 ? told : parameters.measurement.velocity_sigma);
+    }
     predict();
     if (!status_.faulted()) {
-        std::visit([&](auto& engine) { correct(engine, port, fix, *then); }, engine_);
+        std::visit([&](auto& engine) { correct(engine, port, fix, measured, *then); }, engine_);
     }
 }
 
@@ -93,7 +118,7 @@ void InertialFilter<Interface, Engines...>::give_up_waiting() {
 template <class Interface, class... Engines>
 template <class E>
 void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port, const GnssFix& fix,
-                                                    const AntennaState& then) {
+                                                    const GnssFix::Mask& measured, const AntennaState& then) {
     using Where = typename E::Where;
     const Sighting seen{.fix = fix,
                         .then = then,
@@ -103,27 +128,42 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
     if constexpr (requires { engine.adapter.renewed(port, [](int) {}); }) {
         engine.adapter.renewed(port, [&](int i) { engine.corrector.variational_bayes.restart(i); });
     }
-    const auto measured = engine.adapter.fix_of(seen, port);
+    const auto model_fix = engine.adapter.fix_of(seen, port);
     scale(engine);
-    if constexpr (requires { engine.apply_coarsely(measured); }) {
-        if (engine.is_coarse()) {
-            correct_coarsely(engine, measured);
-            return;
+    const auto went_coarsely = [&] {
+        if constexpr (requires { engine.apply_coarsely(model_fix); }) {
+            if (engine.is_coarse()) {
+                if (measured.all()) {
+                    correct_coarsely(engine, model_fix);
+                } else {
+                    reject_fix(Refusal::incomplete, port);
+                }
+                return true;
+            }
         }
+        return false;
+    };
+    const auto innovate = [&] {
+        auto innovation = engine.innovate(seen, model_fix);
+        if constexpr (requires { Where::component(0); }) {
+            take_sigmas<Where>(innovation, measured, fix.sigma);
+        }
+        return innovation;
+    };
+    if (went_coarsely()) {
+        return;
     }
+    admit_scale(engine);
     engine.corrector.gate_stands_open = recovery_.open();
-    auto innovation = engine.innovate(seen, measured);
+    auto innovation = innovate();
     auto correction = engine.corrected(innovation);
     if (innovation.channels() > 0 && engine.corrector.out_of_patience()) {
         recover(engine, seen, innovation.residual);
-        if constexpr (requires { engine.apply_coarsely(measured); }) {
-            if (engine.is_coarse()) {
-                correct_coarsely(engine, measured);
-                return;
-            }
+        if (went_coarsely()) {
+            return;
         }
         engine.corrector.gate_stands_open = true;
-        innovation = engine.innovate(seen, measured);
+        innovation = innovate();
         correction = engine.corrected(innovation);
     }
     publish_innovation<Where>(outputs, innovation, correction.nis);
@@ -137,8 +177,8 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         fault("the correction is not finite");
         return;
     }
-    ledger_.lean(outputs.heading_sigma, earth::rate(fix.position.latitude).y(), imu_.time() - last_fix_);
-    note_use();
+    // What a model of channels used, no component of the fix tells.
+    note_use(requires { Where::component(0); } ? measured : GnssFix::Mask(GnssFix::Mask::Constant(true)));
     nis_window_.add(imu_.time(), correction.nis_used, correction.channels_used);
     const bool robust = parameters.corrector == decltype(parameters.corrector)::h_infinity;
     publish_correction<Where>(outputs, correction, robust);
@@ -146,10 +186,7 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         report_infeasible();
     }
 
-    ledger_.turn(change.rotation);
-    turn(change.rotation);
-    history_.shift(change.velocity, change.displacement);
-
+    follow(change);
     if constexpr (!E::kFindsPosition) {  // and perhaps the vertical velocity is no state either
         const bool climbs = Where::velocity.count == 3;
         const Eigen::Vector3d climb(0.0, 0.0, climbs ? 0.0 : fix.velocity.z() - then.velocity.z());
@@ -170,7 +207,7 @@ void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fi
         fault("the coarse alignment is not finite");
         return;
     }
-    note_use();
+    note_use(GnssFix::Mask::Constant(true));
     ++outputs.used_fixes;
     publish_no_innovation(outputs);
     turn(change.rotation);
@@ -186,8 +223,15 @@ void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fi
 }
 
 template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::note_use() {
-    status_.use_fix(clock_);
+void InertialFilter<Interface, Engines...>::note_use(const GnssFix::Mask& measured) {
+    const bool place = measured(0) && measured(1);
+    if (measured(0) || measured(1) || measured(3) || measured(4)) {  // a height alone binds nothing
+        status_.use_fix(clock_);
+        gnss_used_ = clock_;
+    }
+    if (place) {
+        travelled_to_fix_ = travelled_.displacement();
+    }
     forgetting_ += imu_.time() - last_fix_;
     last_fix_ = imu_.time();
 }
@@ -202,9 +246,18 @@ void InertialFilter<Interface, Engines...>::scale(E& engine) {
     scale_h_infinity(engine, parameters, std::min(imu_.time() - last_fix_, left));
 }
 
+// The scale factor error of a log that went alone, as soon as a fix could contradict it.
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::admit_scale(E& engine) {
+    if (alone()) {
+        engine.add_uncertainty(scale_error());
+    }
+}
+
 // What a rung of the way back does.
 inline const char* deed(int rung, bool heading_found, bool stays) {
-    if (rung == 1) {
+    if (rung < Recovery::kSensors) {
         return "position and velocity are taken from the next";
     }
     if (stays && (heading_found || rung >= Recovery::kRestart)) {
@@ -213,11 +266,25 @@ inline const char* deed(int rung, bool heading_found, bool stays) {
     if (heading_found) {
         return "and the filter starts again, with the heading that changes of velocity tell";
     }
+    if (rung < Recovery::kAttitude) {
+        return "the sensors are in doubt with it";
+    }
     if (rung < Recovery::kRestart) {
         return "attitude and sensors are in doubt with it";
     }
     return rung < Recovery::kLast ? "and the filter starts again from the next"
                                   : "and the filter starts again, with another heading";
+}
+
+// A correction has changed the estimate.
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::follow(const Change& change) {
+    const double latitude = outputs.nav.latitude;
+    ledger_.lean(outputs.heading_sigma, earth::rate(latitude).y(), imu_.time() - leaned_);
+    leaned_ = imu_.time();
+    ledger_.turn(change.rotation);
+    turn(change.rotation);
+    history_.shift(change.velocity, change.displacement);
 }
 
 // The computed level frame has been turned: what is kept of the past turns with it.
@@ -233,7 +300,8 @@ template <class Interface, class... Engines>
 template <class E, class Residual>
 void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& seen,
                                                     const Residual& residual) {
-    const int rung = recovery_.climb(clock_, parameters.gate.patience);
+    const int rung = recovery_.climb(clock_, parameters.gate.patience, was_sure_);
+    was_sure_ = was_sure_ && rung < Recovery::kAttitude;
     const bool found = finder_.tells();
     if (log_->listens()) {
         log_->event(text("the gate refused ", parameters.gate.patience, " fixes in a row until ",
@@ -250,7 +318,8 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
     if constexpr (requires { E::Where::discrepancy(residual); }) {
         off = E::Where::discrepancy(residual);
     }
-    if (rung >= Recovery::kRestart || (rung > 1 && found)) {
+    const bool again = rung >= Recovery::kRestart || (rung >= Recovery::kSensors && found);
+    if (again) {
         double angle = found ? finder_.angle() : 0.0;
         if (rung == Recovery::kLast && !found) {
             angle = euler_angles(engine.best().q_bn.toRotationMatrix()).heading - recovery_.next_heading();
@@ -272,13 +341,14 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
     }
     Uncertainty more{.velocity = off.velocity.cwiseAbs2().asDiagonal(),
                      .position = off.position.cwiseAbs2().asDiagonal()};
-    if (rung == 2 && !found) {
+    const bool blame_attitude = !again && rung >= Recovery::kAttitude;
+    if (blame_attitude) {
         const Eigen::Vector3d sigma(Recovery::kTilt, Recovery::kTilt, Recovery::kHeading);
         more.attitude = sigma.cwiseAbs2().asDiagonal();
-        more.sensors = 1.0;
     }
+    more.sensors = !again && rung >= Recovery::kSensors ? 1.0 : 0.0;
     engine.add_uncertainty(more);
-    if (rung > 1) {
+    if (rung >= Recovery::kSensors) {
         open_ledger(engine);
     }
 }

@@ -44,21 +44,29 @@ void InertialFilter<Interface, Engines...>::choose_model() {
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::configure_engine() {
     std::visit([this](auto& engine) { configure(engine, parameters); }, engine_);
-    nis_window_.length = parameters.consistency.window;
+    for (NisWindow* window :
+         {&nis_window_, &body_velocity_.window, &heading_aid_.window, &height_aid_.window}) {
+        window->length = parameters.consistency.window;
+    }
 }
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::prepare(double start_time) {
     choose_model();
     check();
-    configure_engine();
     imu_.start(start_time);
     gnss_.start();
     status_.start(start_time);
     clock_ = start_time;
+    gnss_used_ = start_time;
+    for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
+        *memory = {};
+        memory->start(start_time);
+    }
     told_samples_ = {};
     told_fixes_ = {};
     told_notices_ = {};
+    configure_engine();
     under_way_ = false;
     told_long_interval_ = false;
     outputs = {};
@@ -84,6 +92,13 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     status_.start(clock_);  // which may be long after that of the component
     forgetting_ = 0.0;
     last_fix_ = imu_.time();
+    gnss_used_ = clock_;
+    gnss_heard_ = clock_;
+    travelled_to_fix_.setZero();
+    for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
+        memory->start(clock_);
+    }
+    was_sure_ = false;
     under_way_ = true;
 }
 
@@ -93,6 +108,7 @@ void InertialFilter<Interface, Engines...>::open_ledger(const E& engine) {
     constexpr int attitude = E::Where::attitude.first;
     ledger_.open(engine.covariance().diagonal().template segment<3>(attitude));
     opened_ = imu_.time();
+    leaned_ = imu_.time();
 }
 
 template <class Interface, class... Engines>
@@ -115,6 +131,7 @@ void InertialFilter<Interface, Engines...>::advance(double clock) {
     bool anything_new = take_sample();
     if (!status_.faulted()) {
         anything_new = take_fix() || anything_new;
+        anything_new = take_aids() || anything_new;
     }
     const double pending = std::visit([](const auto& engine) { return engine.pending(); }, engine_);
     if (!status_.faulted() && pending > parameters.filter.interval - kTimeTolerance) {
@@ -131,7 +148,7 @@ void InertialFilter<Interface, Engines...>::advance(double clock) {
     publish();
 }
 
-// Whether a sound fix came.
+// Whether a sound fix came, from which, and from what the outputs still tell, a filter could set out.
 template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::watch() {
     const auto& imu = inputs.imu;
@@ -141,21 +158,32 @@ bool InertialFilter<Interface, Engines...>::watch() {
     }
     const auto verdict =
         gnss_.read(inputs.gnss.sample, fix_at(inputs.gnss), {.now = imu_.time(), .offset = imu_.offset()});
-    const bool accepted = verdict == GnssInput::Verdict::accepted;
-    if (!accepted && verdict != GnssInput::Verdict::stale) {
+    if (verdict == GnssInput::Verdict::accepted) {
+        return filled(fix_at(inputs.gnss)).complete();
+    }
+    if (verdict != GnssInput::Verdict::stale) {
         reject_fix(refusal_of(verdict), inputs.gnss);
     }
-    return accepted;
+    return false;
 }
 
-// After a fault nothing of the estimate can be used but, perhaps, its last attitude.
+// What a fix does not measure, as the outputs have it.
+template <class Interface, class... Engines>
+GnssFix InertialFilter<Interface, Engines...>::filled(const GnssFix& fix) const {
+    const auto& nav = outputs.nav;
+    return fix.filled_from({.latitude = nav.latitude, .longitude = nav.longitude, .height = nav.height},
+                           nav.velocity);
+}
+
+// After a fault nothing of the estimate can be used but, perhaps, its last attitude, and what a fix does not
+// have.
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::start_over() {
     const auto& nav = outputs.nav;
     const bool known = std::isfinite(nav.roll) && std::isfinite(nav.pitch) && std::isfinite(nav.heading);
     const EulerAngles level{.roll = 0.0, .pitch = 0.0, .heading = 0.0};
     const EulerAngles last{.roll = nav.roll, .pitch = nav.pitch, .heading = nav.heading};
-    const GnssFix fix = fix_at(inputs.gnss);
+    const GnssFix fix = filled(fix_at(inputs.gnss));
     set_out({.state = {.q_bn = Eigen::Quaterniond(dcm(known ? last : level)),
                        .velocity = fix.velocity,
                        .position = fix.position}});
@@ -325,8 +353,40 @@ void InertialFilter<Interface, Engines...>::publish() {
         std::visit(
             [this](const auto& engine) { publish_estimate(outputs, engine, imu_.stamp(), parameters); },
             engine_);
+        doubt_scale();
     }
     publish_health();
+}
+
+// What the scale factor error of a log makes uncertain: the velocity, and where there are no fixes the way
+// since the last of a position.
+template <class Interface, class... Engines>
+Uncertainty InertialFilter<Interface, Engines...>::scale_error() const {
+    const double scale = parameters.body_velocity.scale_sigma;
+    if (scale <= 0.0 || clock_ - body_velocity_.last > parameters.coasting.delay) {
+        return {};
+    }
+    const Eigen::Vector3d velocity = scale * outputs.nav.velocity;
+    const Eigen::Vector3d way = scale * (travelled_.displacement() - travelled_to_fix_);
+    Uncertainty error{.velocity = velocity * velocity.transpose()};
+    if (alone()) {
+        error.position = way * way.transpose();
+    }
+    return error;
+}
+
+// Its filter knows nothing of it.
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::doubt_scale() {
+    const Uncertainty more = scale_error();
+    const auto add = [](Eigen::Vector3d& sigma, const Eigen::Matrix3d& variance) {
+        sigma = (sigma.cwiseAbs2() + variance.diagonal()).cwiseSqrt();
+    };
+    add(outputs.velocity_sigma, more.velocity);
+    outputs.covariance.template block<3, 3>(3, 3) += more.velocity;
+    if constexpr (requires { outputs.position_sigma; }) {
+        add(outputs.position_sigma, more.position);
+    }
 }
 
 // What the clock alone can change.
@@ -341,7 +401,11 @@ void InertialFilter<Interface, Engines...>::publish_health() {
     gnss.nis_mean = outputs.nis_mean;
     gnss.used = outputs.used_fixes;
     gnss.rejected = outputs.rejected_fixes;
-    gnss.silent_for = status_.since_fix(clock_);
+    gnss.silent_for = clock_ - gnss_used_;
+    auto& aid = outputs.aid;
+    publish_health_of(aid.body_velocity, body_velocity_, imu_.time(), clock_);
+    publish_health_of(aid.heading_aid, heading_aid_, imu_.time(), clock_);
+    publish_health_of(aid.height_aid, height_aid_, imu_.time(), clock_);
     publish_status();
 }
 
@@ -366,11 +430,16 @@ Contradiction InertialFilter<Interface, Engines...>::contradiction() const {
     const int in_a_row =
         std::visit([](const auto& engine) { return engine.corrector.contradictions(); }, engine_);
     const double limit = parameters.consistency.limit;
-    if (in_a_row >= kContradictions) {
+    if (in_a_row >= kContradictions && clock_ - gnss_heard_ <= parameters.consistency.window) {
         return Contradiction::fixes;
     }
     if (!(nis_window_.deviate(imu_.time()) <= limit)) {  // nor is what is no number
         return Contradiction::innovations;
+    }
+    for (const AidMemory* aid : {&body_velocity_, &heading_aid_, &height_aid_}) {
+        if (aid->contradictions(clock_) >= kContradictions || !(aid->window.deviate(imu_.time()) <= limit)) {
+            return Contradiction::aids;
+        }
     }
     const bool explained = ledger_.deviate(imu_.time() - opened_, gyros()) <= limit;
     return explained ? Contradiction::none : Contradiction::start;
@@ -405,6 +474,7 @@ void InertialFilter<Interface, Engines...>::publish_status() {
     const auto was = static_cast<State>(outputs.status);
     outputs.status = static_cast<Status>(state);
     outputs.converged = state == State::converged;
+    was_sure_ = was_sure_ || outputs.converged;
     if (state == was || !log_->listens()) {
         return;
     }

@@ -72,6 +72,9 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
 
     [[nodiscard]] const NavigationState& best() const { return mechanisation_.state; }
 
+    // Of its errors with respect to those of the states.
+    [[nodiscard]] Matrix<aiding::kErrors, Base::kStates> navigation_errors() const;
+
     // Of the errors of the navigation state, east, north, up, and of what the sensors are off by.
     [[nodiscard]] const Covariance& covariance() const { return covariance_; }
 
@@ -240,6 +243,16 @@ Eigen::Vector3d InvariantEngine<coloured>::accelerometer_bias() const {
 template <bool coloured>
 Eigen::Vector3d InvariantEngine<coloured>::misalignment_sigma() const {
     return covariance_.diagonal().template head<3>().cwiseMax(0.0).cwiseSqrt();
+}
+
+template <bool coloured>
+auto InvariantEngine<coloured>::navigation_errors() const -> Matrix<aiding::kErrors, Base::kStates> {
+    Matrix<aiding::kErrors, Base::kStates> J =
+        M::navigation_errors(estimator.state).template topRows<aiding::kErrors>();
+    if constexpr (coloured) {
+        J.template block<6, 6>(aiding::kGyro, M::kGyroMarkov).setIdentity();
+    }
+    return J;
 }
 
 template <bool coloured>

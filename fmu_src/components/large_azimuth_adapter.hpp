@@ -46,6 +46,8 @@ struct Adapter<LargeAzimuth> {
                        .velocity_sigma = p.measurement.velocity_sigma};
     }
 
+    static constexpr int component(int measurement) { return 3 + measurement; }  // of a GnssFix
+
     template <class Port>
     static LargeAzimuth::Fix fix_of(const Sighting& seen, const Port& /*gnss*/) {
         return {.velocity_difference = (seen.then.velocity - seen.fix.velocity).head<2>(),

@@ -6,6 +6,9 @@
 // (EulerPlatform then damps its velocity, Zhao 2012).
 #pragma once
 
+#include <algorithm>
+#include <numbers>
+
 #include "components/engine.hpp"
 #include "components/time_tolerance.hpp"
 #include "estimation/delayed.hpp"
@@ -22,6 +25,9 @@ class NavigationEngine : public Engine<M> {
     static constexpr bool kStartsWhereItIs = true;
 
     bool feedback = true;
+    // Prior sigmas, for a model that has no states for them [rad/s], [m/s2].
+    double gyro_bias_sigma = 0.0;
+    double accelerometer_bias_sigma = 0.0;
 
     void start(const Start& start);
 
@@ -50,13 +56,20 @@ class NavigationEngine : public Engine<M> {
     Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma, const Discrepancy& off);
 
     // The navigation state, corrected by the estimate.
-    [[nodiscard]] NavigationState best() const;
+    [[nodiscard]] NavigationState best() const { return estimated(mechanisation_.state); }
+    [[nodiscard]] NavigationState estimated(const NavigationState& mechanised) const;
+
+    // Of the errors that `best` has left, with respect to those of the states.
+    [[nodiscard]] Matrix<aiding::kErrors, Base::kStates> navigation_errors() const;
 
     // Of the errors that `best` has left. With feedback there is nothing to be taken out between two fixes.
     [[nodiscard]] Matrix<Base::kStates> covariance() const;
 
     [[nodiscard]] Eigen::Vector3d gyro_bias() const;
     [[nodiscard]] Eigen::Vector3d accelerometer_bias() const;
+
+    // Of the misalignment that is estimated [rad].
+    [[nodiscard]] Eigen::Vector3d misalignment_sigma() const;
 
     // With feedback the misalignment that the last fix found, without the one that is estimated [rad].
     [[nodiscard]] Eigen::Vector3d misalignment() const;
@@ -68,6 +81,10 @@ class NavigationEngine : public Engine<M> {
     }
 
   private:
+    // Variance of the attitude that the estimate does not know of. A model without biases aligns with them:
+    // the tilts end off by nabla / g, the heading by eps / (w_ie cos L) (Zhao 2012, section 3).
+    [[nodiscard]] Eigen::Vector3d left_out() const;
+
     using Base::mechanisation_;
     IntervalAverage average_;
 };
@@ -140,13 +157,43 @@ Change NavigationEngine<M>::start_again(const Change& /*proposal*/, const Eigen:
 }
 
 template <ErrorModel M>
-NavigationState NavigationEngine<M>::best() const {
-    return M::corrected(mechanisation_.state, estimator.state);
+NavigationState NavigationEngine<M>::estimated(const NavigationState& mechanised) const {
+    if (estimator.state.isZero(0.0)) {  // as it is after every fix with feedback
+        return mechanised;
+    }
+    return M::corrected(mechanised, estimator.state);
+}
+
+template <ErrorModel M>
+auto NavigationEngine<M>::navigation_errors() const -> Matrix<aiding::kErrors, Base::kStates> {
+    if constexpr (Resettable<M>) {
+        return Base::errors_of_states() * estimator.model.reset_jacobian(estimator.state);
+    } else {
+        return Base::errors_of_states();
+    }
 }
 
 template <ErrorModel M>
 auto NavigationEngine<M>::covariance() const -> Matrix<Base::kStates> {
-    return feedback ? estimator.covariance : estimator.covariance_of_remaining();
+    Matrix<Base::kStates> P = feedback ? estimator.covariance : estimator.covariance_of_remaining();
+    P.diagonal().template segment<3>(Where::attitude.first) += left_out();
+    return P;
+}
+
+template <ErrorModel M>
+Eigen::Vector3d NavigationEngine<M>::left_out() const {
+    if constexpr (Where::gyro.count > 0 || Where::accelerometer.count > 0) {
+        return Eigen::Vector3d::Zero();
+    }
+    const double north_rate = earth::rate(mechanisation_.state.position.latitude).y();
+    const double tilt = accelerometer_bias_sigma / earth::kStandardGravity;
+    const double heading = std::min(gyro_bias_sigma / north_rate, std::numbers::pi);
+    return Eigen::Vector3d(tilt, tilt, heading).cwiseAbs2();
+}
+
+template <ErrorModel M>
+Eigen::Vector3d NavigationEngine<M>::misalignment_sigma() const {
+    return (Base::misalignment_sigma().cwiseAbs2() + left_out()).cwiseSqrt();
 }
 
 template <ErrorModel M>

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "components/inertial_filter_aid.hpp"
 #include "components/inertial_filter_fix.hpp"
 #include "components/inertial_filter_run.hpp"
 

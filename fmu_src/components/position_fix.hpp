@@ -16,6 +16,9 @@ struct PositionFix {
         return measurement < 3 ? position + measurement : velocity + measurement - 3;
     }
 
+    // Which component of a GnssFix a measurement is.
+    static constexpr int component(int measurement) { return measurement; }
+
     // Sigmas of a fix that the parameters state, east, north, up [m], [m/s].
     template <class Parameters>
     static Eigen::Vector3d position_sigma(const Parameters& p) {

@@ -2,10 +2,13 @@
 // more of what contradicts the fixes, and which has no end.
 //
 //   1  what the fix measures is as uncertain as the fix is far off: it passes, and sets them
-//   2  the attitude and the sensors are blamed too, and the gate stands open for a while
-//   3  the filter starts again from the fix, level as the force of late says, with its coarse stage if it has
+//   2  of a filter that has been sure of itself: the sensors are blamed too, which may wander more than they
+//   are
+//      said to; of any other the next rung
+//   3  so is the attitude, and the gate stands open for a while
+//   4  the filter starts again from the fix, level as the force of late says, with its coarse stage if it has
 //      one; the gate stands open for a while
-//   4  likewise, with another heading: a filter that tries one after the other comes to one that its
+//   5  likewise, with another heading: a filter that tries one after the other comes to one that its
 //      equations take. Each time the gate stands open for twice as long, up to 32 times gate.patience
 //
 // Where changes of velocity tell the heading (heading_finder.hpp), it is taken from there from the second
@@ -27,22 +30,28 @@ namespace truenorth {
 
 class Recovery {
   public:
-    static constexpr int kRestart = 3;
-    static constexpr int kLast = 4;
-    static constexpr int kMostClimbs = 7;  // beyond it the gate stands open no longer
+    static constexpr int kSensors = 2;
+    static constexpr int kAttitude = 3;
+    static constexpr int kRestart = 4;
+    static constexpr int kLast = 5;
+    static constexpr int kMostClimbs = 8;  // beyond it the gate stands open no longer
     static constexpr double kTilt = 0.1;   // sigma of a tilt that is in doubt [rad]
     static constexpr double kCalm = 60.0;  // after the last rung the filter is recovering for so long [s]
 
     void start() { *this = Recovery{}; }
 
-    // The gate has run out of patience. Returns the rung to take.
-    int climb(double clock, int patience) {
+    // The gate has run out of patience; the filter has been `sure` of its attitude before, or not. Returns
+    // the rung to take.
+    int climb(double clock, int patience, bool sure) {
         if (clock - climbed_ > 2.0 * kCalm) {
             climbs_ = 0;
         }
         climbs_ = std::min(climbs_ + 1, kMostClimbs);
+        if (climbs_ == kSensors && !sure) {
+            climbs_ = kAttitude;
+        }
         climbed_ = clock;
-        constexpr std::array<int, kMostClimbs> times{0, 1, 2, 4, 8, 16, 32};
+        constexpr std::array<int, kMostClimbs> times{0, 0, 1, 2, 4, 8, 16, 32};
         open_for_ = patience * times.at(static_cast<std::size_t>(climbs_ - 1));
         return std::min(climbs_, kLast);
     }
@@ -57,6 +66,12 @@ class Recovery {
         heading_ += kGoldenAngle;
         heading_ = heading_ > kTurn ? heading_ - kTurn : heading_;
         return heading_;
+    }
+
+    // Something has been doubted without a rung being climbed: the filter is recovering as it is after one.
+    void doubt(double clock) {
+        climbs_ = std::max(climbs_, 1);
+        climbed_ = clock;
     }
 
     // The next fix passes whatever its innovation.

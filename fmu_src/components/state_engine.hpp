@@ -41,6 +41,11 @@ class StateEngine : public Engine<M> {
     }
 
     [[nodiscard]] const NavigationState& best() const { return estimator.state; }
+
+    // Of its errors, computed minus true; a deviation leads to the true one.
+    [[nodiscard]] static Matrix<aiding::kErrors, Base::kStates> navigation_errors() {
+        return -Base::errors_of_states();
+    }
     [[nodiscard]] const Matrix<Base::kStates>& covariance() const { return estimator.covariance; }
 
     // As handed over: the model does not estimate them.

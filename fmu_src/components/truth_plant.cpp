@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 
 #include "components/text.hpp"
@@ -43,7 +44,7 @@ void TruthPlant::initialise(double start_time) {
     outputs = {};
     outputs.imu.time = models.imu_fault.clock(start_time);
     state_.before_gnss_fault = antenna(models);
-    put_out(state_.before_gnss_fault);
+    put_out(models, state_.before_gnss_fault);
     put_out_truth(models);
 }
 
@@ -76,6 +77,7 @@ void TruthPlant::step(double time, double step) {
     for (auto left = static_cast<std::uint64_t>(periods); left > 0; --left) {
         sample(models, output);
         receive(models);
+        aid(models);
     }
     output.time = state_.trajectory.time;
     if (const auto put = models.imu_fault.put_out(state_.imu_fault, output)) {
@@ -123,8 +125,48 @@ void TruthPlant::receive(const Models& models) {
         }
     }
     while (state_.fixes.due(state_.samples)) {
-        put_out(state_.fixes.pop());
+        put_out(models, state_.fixes.pop());
         ++outputs.gnss.sample;
+    }
+}
+
+void TruthPlant::aid(const Models& models) {
+    const double time = state_.trajectory.time;
+    const plant::Kinematics& kinematics = state_.trajectory.kinematics;
+    const auto number = [&](const plant::AidSchedule& schedule) {
+        return schedule.number(state_.samples, time);
+    };
+    if (const auto due = number(models.body_velocity_schedule)) {
+        const auto& sensor = parameters.body_velocity;
+        const earth::Position imu = models.trajectory.position(state_.trajectory);
+        const Eigen::Vector3d truth =
+            kinematics.C_bn.transpose() * velocity_at(imu, kinematics, sensor.lever_arm);
+        auto& output = outputs.body_velocity;
+        ++output.sample;
+        output.time = time;
+        output.velocity = models.body_velocity.measure(*due, truth);
+        for (std::size_t i = 0; i < sensor.measures.size(); ++i) {
+            if (!sensor.measures[i]) {
+                output.velocity[static_cast<Eigen::Index>(i)] = std::numeric_limits<double>::quiet_NaN();
+            }
+        }
+        if (sensor.reports_sigma) {
+            output.sigma = sensor.noise_sigma;
+        }
+    }
+    if (const auto due = number(models.heading_aid_schedule)) {
+        auto& output = outputs.heading_aid;
+        ++output.sample;
+        output.time = time;
+        output.heading = wrap_angle(models.heading_aid.measure(*due, euler_angles(kinematics.C_bn).heading));
+        output.sigma = parameters.heading_aid.reports_sigma ? parameters.heading_aid.noise_sigma : 0.0;
+    }
+    if (const auto due = number(models.height_aid_schedule)) {
+        auto& output = outputs.height_aid;
+        ++output.sample;
+        output.time = time;
+        output.height = models.height_aid.measure(*due, models.trajectory.position(state_.trajectory).height);
+        output.sigma = parameters.height_aid.reports_sigma ? parameters.height_aid.noise_sigma : 0.0;
     }
 }
 
@@ -158,13 +200,25 @@ void TruthPlant::put_out(const plant::ImuOutput& output) {
     };
 }
 
-void TruthPlant::put_out(const plant::Fix& fix) {
-    outputs.gnss.time = fix.time;
-    outputs.gnss.latitude = fix.position.latitude;
-    outputs.gnss.longitude = fix.position.longitude;
-    outputs.gnss.height = fix.position.height;
-    outputs.gnss.velocity = fix.velocity;
-    auto& channels = outputs.gnss.channel;
+void TruthPlant::put_out(const Models& models, const plant::Fix& fix) {
+    const auto& gnss = parameters.gnss;
+    const auto if_measured = [](bool measured, double value) {
+        return measured ? value : std::numeric_limits<double>::quiet_NaN();
+    };
+    auto& output = outputs.gnss;
+    output.time = fix.time;
+    output.longitude = if_measured(gnss.measures_position[0], fix.position.longitude);
+    output.latitude = if_measured(gnss.measures_position[1], fix.position.latitude);
+    output.height = if_measured(gnss.measures_position[2], fix.position.height);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        output.velocity[row] = if_measured(gnss.measures_velocity[i], fix.velocity[row]);
+    }
+    if (gnss.reports_sigma) {
+        output.fix_position_sigma = models.receiver.position_sigma(fix.time);
+        output.fix_velocity_sigma = models.receiver.velocity_sigma(fix.time);
+    }
+    auto& channels = output.channel;
     for (std::size_t i = 0; i < plant::kChannels; ++i) {
         const plant::Channel& channel = fix.channels[i];
         const auto row = static_cast<Eigen::Index>(i);

@@ -89,12 +89,14 @@ class TruthPlant {
     void sample(const Models& models, plant::ImuOutput& output);
     // The fix that becomes valid at this IMU sample, and the fixes that appear at it.
     void receive(const Models& models);
+    // What the aids measure at this IMU sample.
+    void aid(const Models& models);
     enum class Loss : std::uint8_t { outage, fault };
     void lose(double time, Loss cause);
     // The antenna's true state, as the receiver would see it without errors and channels.
     [[nodiscard]] plant::Fix antenna(const Models& models) const;
     void put_out(const plant::ImuOutput& output);
-    void put_out(const plant::Fix& fix);
+    void put_out(const Models& models, const plant::Fix& fix);
     void put_out_truth(const Models& models);
 
     Log* log_;

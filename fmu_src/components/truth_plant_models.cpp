@@ -222,7 +222,7 @@ plant::GnssFault::Kind kind(GnssFaultKind declared) {
 
 // Of any sensor: kind, begin, duration, size, axis.
 template <class Fault, class Group>
-Fault::Settings settings(const Group& group) {
+typename Fault::Settings settings(const Group& group) {
     return {
         .kind = kind(group.kind),
         .begin = group.begin,
@@ -230,6 +230,21 @@ Fault::Settings settings(const Group& group) {
         .size = group.size,
         .axis = group.axis,
     };
+}
+
+// Of any aid: rate and outage.
+template <class Group>
+plant::AidSchedule schedule(const Group& group, double imu_rate) {
+    const double periods = group.rate > 0.0 ? imu_rate / group.rate : 0.0;
+    return {.periods = static_cast<std::uint64_t>(std::llround(periods)),
+            .outage = {.begin = group.outage.begin, .end = group.outage.end}};
+}
+
+template <class Group>
+plant::ScalarSensor scalar_sensor(const Group& group, const plant::ScalarSensor::Sources& sources, int seed) {
+    return {{.sigma = group.noise_sigma, .bias_sigma = group.bias_sigma},
+            sources,
+            static_cast<std::uint32_t>(seed)};
 }
 
 plant::NoiseStream stream(const Parameters& parameters, plant::NoiseSource source) {
@@ -267,6 +282,20 @@ Models::Models(const Parameters& parameters)
             1.0 / parameters.gnss.rate, stream(parameters, plant::NoiseSource::gnss_clock)),
       imu_fault(settings<plant::ImuFault>(parameters.fault.imu), 1.0 / parameters.imu.rate),
       gnss_fault(settings<plant::GnssFault>(parameters.fault.gnss), 1.0 / parameters.imu.rate),
-      samples_per_fix(static_cast<std::uint64_t>(std::llround(parameters.imu.rate / parameters.gnss.rate))) {}
+      samples_per_fix(static_cast<std::uint64_t>(std::llround(parameters.imu.rate / parameters.gnss.rate))),
+      body_velocity({.sigma = parameters.body_velocity.noise_sigma,
+                     .scale_sigma = parameters.body_velocity.scale_sigma},
+                    static_cast<std::uint32_t>(parameters.seed)),
+      body_velocity_schedule(schedule(parameters.body_velocity, parameters.imu.rate)),
+      heading_aid(scalar_sensor(
+          parameters.heading_aid,
+          {.noise = plant::NoiseSource::heading_aid, .bias = plant::NoiseSource::heading_aid_bias},
+          parameters.seed)),
+      heading_aid_schedule(schedule(parameters.heading_aid, parameters.imu.rate)),
+      height_aid(scalar_sensor(
+          parameters.height_aid,
+          {.noise = plant::NoiseSource::height_aid, .bias = plant::NoiseSource::height_aid_bias},
+          parameters.seed)),
+      height_aid_schedule(schedule(parameters.height_aid, parameters.imu.rate)) {}
 
 }  // namespace truenorth::truth_plant

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "TruthPlant/variables.hpp"
+#include "plant/aid_sensor.hpp"
 #include "plant/channel_receiver.hpp"
 #include "plant/gnss_fault.hpp"
 #include "plant/gnss_receiver.hpp"
@@ -30,6 +31,12 @@ struct Models {
     plant::ImuFault imu_fault;
     plant::GnssFault gnss_fault;
     std::uint64_t samples_per_fix;
+    plant::BodyVelocitySensor body_velocity;
+    plant::AidSchedule body_velocity_schedule;
+    plant::ScalarSensor heading_aid;
+    plant::AidSchedule heading_aid_schedule;
+    plant::ScalarSensor height_aid;
+    plant::AidSchedule height_aid_schedule;
 };
 
 }  // namespace truenorth::truth_plant

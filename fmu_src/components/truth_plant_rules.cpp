@@ -84,6 +84,16 @@ void check_flight(const Parameters::Motion& motion) {
     }
 }
 
+void check_aid(const std::string& name, double rate, double begin, double end, double imu_rate) {
+    check_window(name + ".outage.begin", begin, name + ".outage.end", end);
+    const double samples = rate > 0.0 ? imu_rate / rate : 1.0;
+    if (samples < 1.0 - kWhole || std::abs(samples - std::round(samples)) > kWhole) {
+        rules::refuse(
+            name + ".rate", rate,
+            with_value("imu.rate", imu_rate) + " divided by a whole number, or 0 for no such sensor");
+    }
+}
+
 bool has_size(ImuFaultKind kind) {
     using enum ImuFaultKind;
     return kind == spike || kind == bias_step || kind == scale_step || kind == count_jump ||
@@ -113,7 +123,10 @@ void check_count_jump(double size) {
 }  // namespace
 
 void check_together(const Parameters& parameters) {
-    const auto& [motion, imu, gnss, fault, seed] = parameters;
+    const Parameters::Motion& motion = parameters.motion;
+    const Parameters::Imu& imu = parameters.imu;
+    const Parameters::Gnss& gnss = parameters.gnss;
+    const Parameters::Fault& fault = parameters.fault;
 
     if (motion.kind == MotionKind::ship) {
         check_period("motion.sway.period", motion.sway.period, motion.sway.amplitude, imu.rate);
@@ -147,6 +160,12 @@ void check_together(const Parameters& parameters) {
                     " where fault.gnss.kind is latency");
         }
     }
+    const auto check = [&imu](const std::string& name, const auto& aid) {
+        check_aid(name, aid.rate, aid.outage.begin, aid.outage.end, imu.rate);
+    };
+    check("body_velocity", parameters.body_velocity);
+    check("heading_aid", parameters.heading_aid);
+    check("height_aid", parameters.height_aid);
     check_size("fault.imu", fault.imu);
     check_size("fault.gnss", fault.gnss);
     if (fault.imu.kind == ImuFaultKind::count_jump) {

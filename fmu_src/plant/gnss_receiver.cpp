@@ -18,6 +18,14 @@ bool GnssReceiver::lost(double time) const {
                                [time](const TimeWindow& outage) { return outage.contains(time); });
 }
 
+Eigen::Vector3d GnssReceiver::position_sigma(double time) const {
+    return errors_.noise_scale.at(time) * errors_.position_sigma;
+}
+
+Eigen::Vector3d GnssReceiver::velocity_sigma(double time) const {
+    return errors_.noise_scale.at(time) * errors_.velocity_sigma;
+}
+
 Fix GnssReceiver::measure(std::uint64_t fix, const Fix& truth) const {
     const double scale = errors_.noise_scale.at(truth.time);
     const Eigen::Matrix<double, 6, 1> epoch = errors_.outlier_epochs.draw(outlier_epoch_, fix);

@@ -31,6 +31,10 @@ class GnssReceiver {
     // True when a fix valid at `time` would be lost.
     [[nodiscard]] bool lost(double time) const;
 
+    // Sigmas of the noise of a fix valid at `time` [m], [m/s].
+    [[nodiscard]] Eigen::Vector3d position_sigma(double time) const;
+    [[nodiscard]] Eigen::Vector3d velocity_sigma(double time) const;
+
     // Position and velocity that the receiver makes of the antenna's true state, as fix number `fix` (1, 2,
     // ...; lost ones count).
     [[nodiscard]] Fix measure(std::uint64_t fix, const Fix& truth) const;

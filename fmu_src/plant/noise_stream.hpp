@@ -30,6 +30,12 @@ enum class NoiseSource : std::uint8_t {
     gnss_range_rate_outlier = 17,
     gyro_bias_walk = 18,
     accelerometer_bias_walk = 19,
+    body_velocity = 20,
+    body_velocity_scale = 21,
+    heading_aid = 22,
+    heading_aid_bias = 23,
+    height_aid = 24,
+    height_aid_bias = 25,
 };
 
 class NoiseStream {

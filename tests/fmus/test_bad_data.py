@@ -11,7 +11,8 @@ from calls import OK, Fmu, Instance, Number, run
 
 COUNTERS = {
     *("rejected_samples", "rejected_fixes", "missed_samples", "clock_disagreements", "aid.gnss.rejected"),
-    *("imu.silent_for", "aid.gnss.silent_for"),  # the clock goes on
+    "imu.silent_for",  # the clock goes on
+    *(f"aid.{aid}.silent_for" for aid in ("gnss", "body_velocity", "heading_aid", "height_aid")),
 }
 OF_LAST_FIX = "measurement_weight["  # whatever became of it
 WARM_UP = 350  # the next fix comes at 400
@@ -24,7 +25,7 @@ SAMPLES: dict[str, dict[str, Number]] = {
     "impossible rate": {"imu.delta_angle[1]": 50.0},
 }
 FIXES: dict[str, dict[str, Number]] = {
-    "velocity not finite": {"gnss.velocity[1]": math.nan},
+    "velocity not finite": {"gnss.velocity[1]": math.inf},
     "time not finite": {"gnss.time": math.inf},
     "from the future": {"gnss.time": 1e4},
     "older than the last": {"gnss.time": 0.5},

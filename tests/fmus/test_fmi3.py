@@ -86,7 +86,7 @@ def test_terminals_name_members_of_equal_name(fmu: Fmu, fmu3: Fmu3) -> None:
         with zipfile.ZipFile(archive) as content:
             document = etree.fromstring(content.read("terminalsAndIcons/terminalsAndIcons.xml"))
         terminals = {terminal.get("name"): terminal for terminal in document.iter("Terminal")}
-        assert set(terminals) == {"imu", "gnss"}
+        assert set(terminals) == {"imu", "gnss", "body_velocity", "heading_aid", "height_aid"}
         for port, terminal in terminals.items():
             members = {m.get("variableName"): m.get("memberName") for m in terminal}
             assert set(members) <= known

@@ -37,6 +37,8 @@ SHIPPED = {
     "flight_nominal",
     "flight_tight",
     "flight_tight_outliers",
+    "dvl_alignment",
+    "compass_start",
 }
 
 

@@ -55,7 +55,7 @@ TEST(AlignmentFilterBadData, OfTheReceiverChangesNothingAtAll) {
         GnssFix fix = run.table.fix(static_cast<double>(k) / kRate);
         switch (sent++ % 5) {
             case 0:
-                fix.velocity.x() = kNaN;
+                fix.velocity.x() = std::numeric_limits<double>::infinity();
                 break;
             case 1:
                 fix.position.latitude = 2.0;

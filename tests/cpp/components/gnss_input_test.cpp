@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 
 namespace truenorth {
@@ -25,20 +26,73 @@ TEST(GnssInput, AcceptsAPlausibleFixOnce) {
     EXPECT_EQ(gnss.read(2, fix_at(10.0), kTen), Verdict::accepted);
 }
 
-TEST(GnssInput, RejectsEveryValueThatIsNotFinite) {
-    for (const double bad :
-         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-        for (int field = 0; field < 7; ++field) {
-            GnssFix fix = fix_at(1.0);
-            double* const fields[] = {
-                &fix.time,         &fix.position.latitude, &fix.position.longitude, &fix.position.height,
-                &fix.velocity.x(), &fix.velocity.y(),      &fix.velocity.z(),
-            };
-            *fields[field] = bad;
-            GnssInput gnss;
-            EXPECT_EQ(gnss.read(1, fix, kTen), Verdict::not_finite) << field;
-        }
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+// Components of position and velocity, east, north, up.
+std::array<double*, 6> components_of(GnssFix& fix) {
+    return {&fix.position.longitude, &fix.position.latitude, &fix.position.height,
+            &fix.velocity.x(),       &fix.velocity.y(),      &fix.velocity.z()};
+}
+
+TEST(GnssInput, RejectsEveryValueThatIsInfiniteAndATimeThatIsNone) {
+    for (std::size_t i = 0; i < 6; ++i) {
+        GnssFix fix = fix_at(1.0);
+        *components_of(fix)[i] = kInfinite;
+        GnssInput gnss;
+        EXPECT_EQ(gnss.read(1, fix, kTen), Verdict::not_finite) << i;
     }
+    for (const double bad : {kNan, kInfinite}) {
+        GnssInput gnss;
+        EXPECT_EQ(gnss.read(1, fix_at(bad), kTen), Verdict::not_finite);
+    }
+}
+
+TEST(GnssInput, TakesWhatIsNoNumberForNotMeasured) {
+    for (std::size_t i = 0; i < 6; ++i) {
+        GnssFix fix = fix_at(1.0);
+        *components_of(fix)[i] = kNan;
+        GnssInput gnss;
+        EXPECT_EQ(gnss.read(1, fix, kTen), Verdict::accepted) << i;
+        GnssFix::Mask expected = GnssFix::Mask::Constant(true);
+        expected(static_cast<Eigen::Index>(i)) = false;
+        EXPECT_TRUE((fix.measured() == expected).all()) << i;
+        GnssFix other = fix_at(2.0);
+        GnssFix filled = fix.filled_from(other.position, other.velocity);
+        EXPECT_TRUE(filled.complete());
+        EXPECT_EQ(*components_of(filled)[i], *components_of(other)[i]);
+    }
+    GnssFix nothing = fix_at(1.0);
+    for (double* component : components_of(nothing)) {
+        *component = kNan;
+    }
+    GnssInput gnss;
+    EXPECT_EQ(gnss.read(1, nothing, kTen), Verdict::not_finite);
+}
+
+TEST(GnssInput, RejectsSigmasThatAreNone) {
+    const auto verdict = [](double sigma, double height) {
+        GnssFix fix = fix_at(1.0);
+        fix.sigma(2) = sigma;
+        fix.position.height = height;
+        GnssInput gnss;
+        return gnss.read(1, fix, kTen);
+    };
+    EXPECT_EQ(verdict(0.0, 1.0), Verdict::accepted);
+    EXPECT_EQ(verdict(3.0, 1.0), Verdict::accepted);
+    EXPECT_EQ(verdict(-3.0, 1.0), Verdict::impossible);
+    EXPECT_EQ(verdict(kNan, 1.0), Verdict::not_finite);
+    EXPECT_EQ(verdict(kInfinite, 1.0), Verdict::not_finite);
+    EXPECT_EQ(verdict(kNan, kNan), Verdict::accepted);  // of what is not measured
+}
+
+TEST(GnssInput, AReceiverThatHangsIsFoundWhateverItMeasures) {
+    GnssFix fix = fix_at(1.0);
+    fix.position.height = kNan;
+    GnssInput gnss;
+    EXPECT_EQ(gnss.read(1, fix, kTen), Verdict::accepted);
+    fix.time = 2.0;
+    EXPECT_EQ(gnss.read(2, fix, kTen), Verdict::frozen);
 }
 
 TEST(GnssInput, RejectsPlacesAndSpeedsThatAreImpossible) {
@@ -143,7 +197,7 @@ TEST(GnssInput, BelievesAClockThatIsAheadFromTheBeginning) {
         const auto offset = [ahead](int) { return 0.2 + ahead; };  // as read, without latency
         const auto none = [](int) { return 0.0; };
         const auto [count, valid_at] = accepted(gnss, 1, 20, offset, none);
-        const bool waits = ahead < GnssInput::kAhead;
+        const bool waits = ahead < StampClock::kAhead;
         EXPECT_EQ(count, waits ? 20 : 18) << ahead;  // the third is the first of those that are believed
         EXPECT_NEAR(valid_at, waits ? 20.0 + ahead : 20.0, 1e-9) << ahead;
         EXPECT_EQ(gnss.disagreements(), waits ? 0 : 3) << ahead;

@@ -1,0 +1,211 @@
+"""Aids besides the receiver, through plant and filter."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import sim_scenarios
+from sim_scenarios.fmus import Fmus
+
+DEGREE: Final = np.pi / 180.0
+WITHOUT_FIXES: Final = {"gnss.outage.begin[1]": -1e9, "gnss.outage.end[1]": 1e9}
+INVARIANT: Final = {
+    "error_model": "invariant",
+    "predictor": "linearised",
+    "corrector": "standard",
+    "coarse.enabled": False,
+}
+MODELS: Final = {
+    "10 states": {"error_model": "large_azimuth"},
+    "10 states, open loop": {"error_model": "large_azimuth", "feedback": False},
+    "invariant": INVARIANT,
+}
+
+
+def run(
+    duration: float, fmus: Fmus, seed: int = 2, scenario: str = "swaying_ship", **settings: Any
+) -> xr.Dataset:
+    window = {"evaluation.start": 0.5 * duration, "evaluation.stop": duration}
+    return sim_scenarios.run(scenario, seed=seed, set={"duration": duration, **window, **settings}, fmus=fmus)
+
+
+def at(data: xr.Dataset, time: float, name: str) -> float:
+    return float(np.abs(data[name].sel(time=time, method="nearest")))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_ship_without_gnss_aligns_with_a_log(seed: int, fmus: Fmus) -> None:
+    data = run(400.0, fmus, seed, "dvl_alignment")
+    assert data["used_fixes"].size == 0
+    assert int(data["aid.body_velocity.used"][-1]) >= 395
+    assert at(data, 400.0, "heading_error") < 1.0 * DEGREE
+    assert at(data, 400.0, "heading_error") < 3.0 * at(data, 400.0, "heading_sigma")
+    assert float(np.abs(data["velocity_error"][-1]).max()) < 0.3
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_log_does_for_every_model_what_fixes_do(model: str, fmus: Fmus) -> None:
+    """As long as neither is told anything wrong."""
+    log = run(
+        300.0,
+        fmus,
+        **MODELS[model],
+        **WITHOUT_FIXES,
+        **{
+            "body_velocity.rate": 1.0,
+            "body_velocity.noise_sigma": 0.1,
+            "measurement.body_velocity_sigma": 0.1,
+        },
+    )
+    fixes = run(300.0, fmus, **MODELS[model])
+    assert at(log, 300.0, "heading_error") < 3.0 * at(log, 300.0, "heading_sigma")
+    assert at(log, 300.0, "heading_sigma") < 1.5 * at(fixes, 300.0, "heading_sigma")
+    assert float(np.abs(log["velocity_error"][-1]).max()) < 0.5
+
+
+def test_the_axis_that_a_log_does_not_measure_is_left_out(fmus: Fmus) -> None:
+    """An electromagnetic log of one axis, forward: worthless sigmas of the others must do the same."""
+    log = {"body_velocity.rate": 1.0, "gate.enabled": False, **INVARIANT}
+    one = run(100.0, fmus, **log, **{"body_velocity.measures[1]": False, "body_velocity.measures[3]": False})
+    told = run(
+        100.0,
+        fmus,
+        **log,
+        **{
+            "body_velocity.reports_sigma": True,
+            "measurement.body_velocity_sigma": 0.05,
+            "body_velocity.measures[1]": False,
+            "body_velocity.measures[3]": False,
+        },
+    )
+    all_axes = run(100.0, fmus, **log)
+    assert at(one, 100.0, "heading_error") != at(all_axes, 100.0, "heading_error")
+    assert int(one["aid.body_velocity.used"][-1]) == int(told["aid.body_velocity.used"][-1]) == 100
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("sigma", [1.0, 5.0])
+def test_a_heading_is_worth_what_bayes_says(model: str, sigma: float, fmus: Fmus) -> None:
+    """One heading, before anything else is known: information adds up (closed form)."""
+    settings = {
+        **MODELS[model],
+        "heading_aid.rate": 1.0,
+        "heading_aid.noise_sigma": f"{sigma} deg",
+        "measurement.heading_aid_sigma": f"{sigma} deg",
+        "gate.enabled": False,
+    }
+    data = run(2.0, fmus, **settings)
+    blind = run(2.0, fmus, **{**settings, "heading_aid.rate": 0.0})
+    expected = (at(blind, 1.5, "heading_sigma") ** -2 + (sigma * DEGREE) ** -2) ** -0.5
+    # Large azimuths are no linear matter: a prior of 10 deg makes some per cent of it.
+    assert at(data, 1.5, "heading_sigma") == pytest.approx(expected, rel=0.03)
+    assert int(data["aid.heading_aid.used"][-1]) == 2
+
+
+def test_a_compass_shortens_the_way_and_leaves_the_end_alone(fmus: Fmus) -> None:
+    with_it = run(300.0, fmus, scenario="compass_start")
+    without = run(300.0, fmus, scenario="compass_start", **{"heading_aid.rate": 0.0})
+    assert at(with_it, 60.0, "heading_sigma") < 0.5 * at(without, 60.0, "heading_sigma")
+    for data in (with_it, without):
+        for time in (60.0, 120.0, 300.0):
+            assert at(data, time, "heading_error") < 3.0 * at(data, time, "heading_sigma")
+
+
+def test_a_height_binds_the_vertical_channel_without_fixes(fmus: Fmus) -> None:
+    settings = {**WITHOUT_FIXES, **INVARIANT, "body_velocity.rate": 1.0, "body_velocity.measures[3]": False}
+    height = {"height_aid.rate": 1.0, "height_aid.noise_sigma": 1.0, "measurement.height_aid_sigma": 1.0}
+    bound = run(300.0, fmus, **settings, **height)
+    free = run(300.0, fmus, **settings)
+    assert int(bound["aid.height_aid.used"][-1]) == 300
+    assert float(np.abs(bound["position_error"][-1, 2])) < 2.0
+    assert (
+        float(bound["position_sigma"][-1, 2]) < 0.2 * float(free["position_sigma"][-1, 2])
+        if "position_sigma" in bound
+        else True
+    )
+
+
+FALSE_HEADING: Final = {
+    "heading_aid.rate": 1.0,
+    "heading_aid.bias_sigma": "60 deg",
+    "heading_aid.noise_sigma": "0.5 deg",
+    "prior.heading_sigma": "1 deg",
+    "initial_error.misalignment": [0.0, 0.0, "0.5 deg"],
+}
+
+
+def test_an_aid_that_fixes_contradict_is_refused_and_the_filter_not_sure(fmus: Fmus) -> None:
+    """A compass 60 deg off beside good fixes: nothing is used, nothing spoilt, nothing promised."""
+    data = run(200.0, fmus, seed=3, **FALSE_HEADING)
+    assert int(data["aid.heading_aid.used"][-1]) == 0
+    assert int(data["aid.heading_aid.rejected"][-1]) == 200
+    assert "the prediction is blamed" not in str(data.attrs)
+    assert at(data, 200.0, "heading_error") < 3.0 * at(data, 200.0, "heading_sigma")
+    assert not bool(data["converged"].values[10:].any())
+
+
+def test_without_fixes_there_is_a_way_back_from_refusing_an_aid(fmus: Fmus) -> None:
+    """The start is wrong by 60 deg, and told to within one; a log and a good compass find out."""
+    data = run(
+        300.0,
+        fmus,
+        **INVARIANT,
+        **WITHOUT_FIXES,
+        **{
+            "body_velocity.rate": 1.0,
+            "heading_aid.rate": 1.0,
+            "heading_aid.noise_sigma": "0.5 deg",
+            "prior.heading_sigma": "1 deg",
+            "initial_error.misalignment": [0.0, 0.0, "60 deg"],
+        },
+    )
+    assert "the prediction is blamed" in str(data.attrs)
+    assert int(data["aid.heading_aid.used"][-1]) > 100
+    assert at(data, 300.0, "heading_error") < 0.5 * DEGREE
+
+
+def test_a_log_beside_fixes_keeps_the_ten_states_consistent(fmus: Fmus) -> None:
+    """Its vertical velocity is no state of theirs, and as noisy as the last fix left it."""
+    data = run(
+        200.0,
+        fmus,
+        **{
+            "body_velocity.rate": 1.0,
+            "body_velocity.noise_sigma": 0.02,
+            "measurement.body_velocity_sigma": 0.02,
+        },
+    )
+    assert int(data["aid.body_velocity.rejected"][-1]) <= 1
+    assert float(data["aid.body_velocity.nis_mean"][-1]) < 1.5
+    assert bool(data["converged"][-1])
+
+
+def test_the_scale_of_a_log_is_told_when_fixes_return(fmus: Fmus) -> None:
+    """Ten minutes on a log that is 1 % off; the first fixes after it are taken, and nothing was promised."""
+    data = run(
+        700.0,
+        fmus,
+        **INVARIANT,
+        **{
+            "gnss.outage.begin[1]": 60.0,
+            "gnss.outage.end[1]": 600.5,
+            "body_velocity.rate": 1.0,
+            "plant.body_velocity.scale_sigma": 0.01,
+            "filter.body_velocity.scale_sigma": 0.01,
+        },
+    )
+    sure = data["converged"].values.astype(bool)
+    error, sigma = np.abs(data["velocity_error"].values), data["velocity_sigma"].values
+    assert not (sure & (error > 4.0 * sigma).any(axis=1)).any()
+    assert int(data["rejected_fixes"][-1]) == 0
+
+
+def test_measurements_that_cannot_be_are_refused_with_the_reason(fmus: Fmus) -> None:
+    data = run(20.0, fmus, **{"height_aid.rate": 1.0, "height_aid.bias_sigma": 1e7})
+    assert int(data["aid.height_aid.used"][-1]) == 0
+    assert int(data["aid.height_aid.rejected"][-1]) == 20
+    assert "height_aid 1 (height_aid.time = 1 s) rejected" in str(data.attrs)
