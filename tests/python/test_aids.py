@@ -67,24 +67,17 @@ def test_a_log_does_for_every_model_what_fixes_do(model: str, fmus: Fmus) -> Non
     assert float(np.abs(log["velocity_error"][-1]).max()) < 0.5
 
 
-def test_the_axis_that_a_log_does_not_measure_is_left_out(fmus: Fmus) -> None:
-    """An electromagnetic log of one axis, forward: worthless sigmas of the others must do the same."""
-    log = {"body_velocity.rate": 1.0, "gate.enabled": False, **INVARIANT}
-    one = run(100.0, fmus, **log, **{"body_velocity.measures[1]": False, "body_velocity.measures[3]": False})
-    told = run(
-        100.0,
-        fmus,
-        **log,
-        **{
-            "body_velocity.reports_sigma": True,
-            "measurement.body_velocity_sigma": 0.05,
-            "body_velocity.measures[1]": False,
-            "body_velocity.measures[3]": False,
-        },
-    )
-    all_axes = run(100.0, fmus, **log)
-    assert at(one, 100.0, "heading_error") != at(all_axes, 100.0, "heading_error")
-    assert int(one["aid.body_velocity.used"][-1]) == int(told["aid.body_velocity.used"][-1]) == 100
+def test_the_axis_that_a_log_does_not_measure_is_as_good_as_one_without_any_accuracy(fmus: Fmus) -> None:
+    """A log of one axis, forward, beside one that says of its other axes that they are worthless."""
+    log = {"body_velocity.rate": 1.0, "gate.enabled": False, "body_velocity.reports_sigma": True, **INVARIANT}
+    one = run(100.0, fmus, **log, **{f"body_velocity.measures[{axis}]": False for axis in (1, 3)})
+    worthless = run(100.0, fmus, **log, **{f"body_velocity.noise_sigma[{axis}]": 1e3 for axis in (1, 3)})
+    every_axis = run(100.0, fmus, **log)
+    heading, velocity = one["heading_error"].values, one["velocity_error"].values
+    assert np.abs(heading - worthless["heading_error"].values).max() < 1e-3
+    assert np.abs(velocity - worthless["velocity_error"].values).max() < 2e-3
+    assert np.abs(velocity - every_axis["velocity_error"].values).max() > 2e-2
+    assert int(one["aid.body_velocity.used"][-1]) == 100
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -122,11 +115,7 @@ def test_a_height_binds_the_vertical_channel_without_fixes(fmus: Fmus) -> None:
     free = run(300.0, fmus, **settings)
     assert int(bound["aid.height_aid.used"][-1]) == 300
     assert float(np.abs(bound["position_error"][-1, 2])) < 2.0
-    assert (
-        float(bound["position_sigma"][-1, 2]) < 0.2 * float(free["position_sigma"][-1, 2])
-        if "position_sigma" in bound
-        else True
-    )
+    assert float(np.abs(free["position_error"][-1, 2])) > 5.0
 
 
 FALSE_HEADING: Final = {
@@ -185,7 +174,7 @@ def test_a_log_beside_fixes_keeps_the_ten_states_consistent(fmus: Fmus) -> None:
 
 
 def test_the_scale_of_a_log_is_told_when_fixes_return(fmus: Fmus) -> None:
-    """Ten minutes on a log that is 1 % off; the first fixes after it are taken, and nothing was promised."""
+    """Nine minutes on a log that is 1 % off; the first fixes after it are taken, and nothing was promised."""
     data = run(
         700.0,
         fmus,
