@@ -108,6 +108,14 @@ def test_a_compass_shortens_the_way_and_leaves_the_end_alone(fmus: Fmus) -> None
             assert at(data, time, "heading_error") < 3.0 * at(data, time, "heading_sigma")
 
 
+@pytest.mark.parametrize("scenario", ["compass_start", "dvl_alignment"])
+def test_the_comparison_that_is_shipped_runs_with_every_filter(scenario: str, fmus: Fmus) -> None:
+    short = {"duration": 5.0, "evaluation.start": 1.0, "evaluation.stop": 5.0}
+    data = sim_scenarios.compare(scenario, set=short, fmus=fmus)
+    assert data.sizes["filter"] == 2
+    assert np.isfinite(data["heading_error"].values).all()
+
+
 def test_a_height_binds_the_vertical_channel_without_fixes(fmus: Fmus) -> None:
     settings = {**WITHOUT_FIXES, **INVARIANT, "body_velocity.rate": 1.0, "body_velocity.measures[3]": False}
     height = {"height_aid.rate": 1.0, "height_aid.noise_sigma": 1.0, "measurement.height_aid_sigma": 1.0}
