@@ -1,7 +1,7 @@
 // Velocity relative to the Earth in body axes: a Doppler log with bottom track, an odometer; a log through
-// the water where it does not flow.
+// the water where it does not flow. With the scale factor error k and the boresight beta of its axes
 //
-//     u = C_n^b v + w_eb^b x l,    du = C_n^b (dv + phi x v) + eps x l
+//     u = (1 + k) (I - beta x) w,    w = C_n^b v + w_eb^b x l,    dw = C_n^b (dv + phi x v) + eps x l
 #pragma once
 
 #include "aiding/observation.hpp"

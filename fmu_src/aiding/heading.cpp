@@ -18,13 +18,15 @@ Eigen::RowVector3d heading_gradient(const Eigen::Quaterniond& q_bn) {
 Observation<1> heading(const Moment& moment, double measured) {
     const Eigen::Quaterniond& q_bn = moment.state.q_bn;
     const Eigen::RowVector3d gradient = heading_gradient(q_bn);
-    const double difference = wrap_angle(euler_angles(q_bn.toRotationMatrix()).heading - measured);
+    const double difference =
+        wrap_angle(euler_angles(q_bn.toRotationMatrix()).heading + moment.sensors(kHeadingBias) - measured);
     constexpr double kLevelEnough = 0.03;  // cos^2 of 80 degrees
     const bool defined = (q_bn * Eigen::Vector3d::UnitY()).head<2>().squaredNorm() > kLevelEnough;
     Observation<1> observation{
         .difference = Vector<1>(defined ? difference : std::numeric_limits<double>::quiet_NaN()),
         .sensitivity = Matrix<1, kErrors>::Zero()};
     observation.sensitivity.segment<3>(kMisalignment) = gradient;
+    observation.own(kHeadingBias) = -1.0;
     return observation;
 }
 

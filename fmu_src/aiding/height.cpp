@@ -3,8 +3,10 @@
 namespace truenorth::aiding {
 
 Observation<1> height(const Moment& moment, double measured) {
-    Observation<1> observation{.difference = Vector<1>(moment.state.position.height - measured),
+    const double predicted = moment.state.position.height + moment.sensors(kHeightBias);
+    Observation<1> observation{.difference = Vector<1>(predicted - measured),
                                .sensitivity = Matrix<1, kErrors>::Zero()};
+    observation.own(kHeightBias) = -1.0;
     observation.sensitivity(kPosition + 2) = 1.0;
     return observation;
 }

@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "estimation/appended.hpp"
 #include "estimation/gaussian.hpp"
 #include "inertial/mechanisation.hpp"
 
@@ -22,38 +23,60 @@ enum NavigationErrors : int {  // the first of three components
     kErrors = 15
 };
 
+// Constant errors of the sensors, which are estimated beside the states of the model.
+enum SensorErrors : int {
+    kScale = 0,        // of body_velocity [-]
+    kBoresight = 1,    // its axes against the body's, about right, forward, up [rad]
+    kHeadingBias = 4,  // [rad]
+    kHeightBias = 5,   // [m]
+    kSensorErrors = 6
+};
+static_assert(kSensorErrors == Appended::kCount);
+
 // The state of the IMU at the time of a measurement.
 struct Moment {
     NavigationState state;
-    Eigen::Vector3d omega_eb_b = Eigen::Vector3d::Zero();  // body rate relative to the Earth [rad/s]
+    Eigen::Vector3d omega_eb_b = Eigen::Vector3d::Zero();       // body rate relative to the Earth [rad/s]
+    Appended::Constants sensors = Appended::Constants::Zero();  // errors of the sensors, as they are known
 };
 
 template <int K>
 struct Observation {
     Vector<K> difference;            // predicted minus measured
     Matrix<K, kErrors> sensitivity;  // of the prediction, to the errors of the state
+    // Of the difference, to what the errors of the sensors are more than they are known to be.
+    Matrix<K, kSensorErrors> own = Matrix<K, kSensorErrors>::Zero();
 };
 
-// As a measurement of a model whose N states, of covariance P, make the errors `errors` times the states.
-// `unmodelled`: covariance of what else is in the difference. A component that is not a number has not been
-// measured.
+// As a measurement of a model, and of constants of the sensor besides.
 template <int N, int K>
-Innovation<N, K> innovation_of(const Observation<K>& observation, const Vector<K>& sigma,
-                               const Matrix<kErrors, N>& errors, const Matrix<N>& P,
-                               const Matrix<K>& unmodelled = Matrix<K>::Zero()) {
+struct Sight {
+    Innovation<N, K> innovation;
+    Matrix<kSensorErrors, K> own;  // covariance of the constants and the prediction
+};
+
+// N states of the model, of covariance P, make the errors `errors` times the states. `unmodelled`: covariance
+// of what else is in the difference. A component that is not a number has not been measured.
+template <int N, int K>
+Sight<N, K> sight_of(const Observation<K>& observation, const Vector<K>& sigma,
+                     const Matrix<kErrors, N>& errors, const Matrix<N>& P, const Appended& sensors,
+                     const Matrix<K>& unmodelled = Matrix<K>::Zero()) {
     const Matrix<K, N> H = observation.sensitivity * errors;
-    const Matrix<N, K> cross = P * H.transpose();
-    Matrix<K> spread = H * cross;
-    symmetrise(spread);
-    Matrix<K> noise = unmodelled;
-    noise.diagonal() += sigma.cwiseAbs2();
-    Innovation<N, K> innovation{observation.difference, spread, noise, cross};
+    const Matrix<K, kSensorErrors>& L = observation.own;
+    const Matrix<N, kSensorErrors> C = sensors.cross<N>();
+    const Matrix<N, K> cross = P * H.transpose() + C * L.transpose();
+    Sight<N, K> sight{.innovation = {observation.difference, H * cross, unmodelled, cross},
+                      .own = C.transpose() * H.transpose() + sensors.covariance() * L.transpose()};
+    sight.innovation.spread += L * sight.own;
+    symmetrise(sight.innovation.spread);
+    sight.innovation.noise.diagonal() += sigma.cwiseAbs2();
     for (int i = 0; i < K; ++i) {
         if (std::isnan(observation.difference(i))) {
-            innovation.remove(i);
+            sight.innovation.remove(i);
+            sight.own.col(i).setZero();
         }
     }
-    return innovation;
+    return sight;
 }
 
 }  // namespace truenorth::aiding

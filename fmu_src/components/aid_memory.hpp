@@ -7,11 +7,14 @@
 #include "components/repetition.hpp"
 #include "components/stamp_clock.hpp"
 #include "estimation/innovation_gate.hpp"
+#include "estimation/innovation_mean.hpp"
 #include "estimation/nis_window.hpp"
 
 namespace truenorth {
 
 struct AidMemory {
+    static constexpr int kMostChannels = 3;
+
     int sample = 0;      // that was read last
     int used = 0;        // measurements that corrected the estimate
     int rejected = 0;    // that did not
@@ -19,21 +22,24 @@ struct AidMemory {
     double heard = 0.0;  // when one came [s]
     StampClock clock;
     NisWindow window;
+    InnovationMean<kMostChannels> mean;
     Repetition<kRefusals> told;
 
     void start(double now) {
         window.restart();
+        mean.restart();
         refused_ = 0;
         contradictions_ = 0;
         last = now;
         heard = now;
     }
 
-    // Whether a measurement may be used, which its covariance explains or not.
-    bool admits(const InnovationGate& gate, double nis, int channels) {
+    // Whether a measurement may be used, which its covariance explains or not; it may if the gate stands
+    // open.
+    bool admits(const InnovationGate& gate, double nis, int channels, bool open) {
         const bool explained = gate.explains(nis, channels);
         contradictions_ = explained ? 0 : std::min(contradictions_ + 1, kMost);
-        const bool admitted = explained || !gate.enabled;
+        const bool admitted = explained || open || !gate.enabled;
         refused_ = admitted ? 0 : std::min(refused_ + 1, kMost);
         return admitted;
     }
@@ -45,16 +51,20 @@ struct AidMemory {
     }
     [[nodiscard]] bool out_of_patience(int patience) const { return patience > 0 && refused_ >= patience; }
 
+    // Patience begins anew.
+    void lose_count() { refused_ = 0; }
+
     // The prediction has been blamed.
     void forgive() {
-        refused_ = 0;
+        lose_count();
         contradictions_ = 0;
         window.restart();
+        mean.restart();
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(sample, used, rejected, last, heard, clock, window, told, refused_, contradictions_);
+        archive(sample, used, rejected, last, heard, clock, window, mean, told, refused_, contradictions_);
     }
 
   private:

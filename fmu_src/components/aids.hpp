@@ -12,25 +12,41 @@
 
 namespace truenorth {
 
+// What is in doubt when an aid has been refused too often: of the prediction, and which of the sensor's
+// constant errors (aiding::SensorErrors).
+struct AidDoubt {
+    const char* name;
+    Uncertainty prediction;
+    int own;
+    int own_count;
+};
+
+template <class Aid, int K>
+AidDoubt doubt_of(const Vector<K>& residual) {
+    return {.name = Aid::kName,
+            .prediction = Aid::doubt(residual),
+            .own = Aid::kOwn,
+            .own_count = Aid::kOwnCount};
+}
+
 // Each names itself, says whether it binds the velocity so that the estimate does not coast, reads its port,
-// knows what is possible, and observes. `sigma` is that of the parameters, for measurements that do not say.
+// knows what is possible, and observes. `sigma` is that of the parameters, for measurements that do not say;
+// its constant errors are the kOwnCount of aiding::SensorErrors from kOwn on.
 
 struct BodyVelocityAid {
     static constexpr const char* kName = "body_velocity";
     static constexpr int kChannels = 3;
     static constexpr bool kBindsVelocity = true;
     static constexpr bool kIsHeight = false;
+    static constexpr int kOwn = aiding::kScale;
+    static constexpr int kOwnCount = 4;
 
     Eigen::Vector3d lever_arm;
-    double sigma;        // [m/s]
-    double scale_sigma;  // of its scale factor error; of a single measurement that is noise
+    double sigma;  // [m/s]
 
     template <class Port>
     static Vector<3> measured(const Port& port) {
         return port.velocity;
-    }
-    [[nodiscard]] Vector<3> with_errors(const Vector<3>& noise, const Vector<3>& measured) const {
-        return (noise.cwiseAbs2() + (scale_sigma * measured).cwiseAbs2()).cwiseSqrt();
     }
     static bool possible(const Vector<3>& measured) {
         return !(measured.array().abs() > GnssInput::kLargestSpeed).any();
@@ -49,6 +65,8 @@ struct HeadingAid {
     static constexpr int kChannels = 1;
     static constexpr bool kBindsVelocity = false;
     static constexpr bool kIsHeight = false;
+    static constexpr int kOwn = aiding::kHeadingBias;
+    static constexpr int kOwnCount = 1;
 
     double sigma;  // [rad]
 
@@ -56,7 +74,6 @@ struct HeadingAid {
     static Vector<1> measured(const Port& port) {
         return Vector<1>(port.heading);
     }
-    static Vector<1> with_errors(const Vector<1>& noise, const Vector<1>& /*measured*/) { return noise; }
     static bool possible(const Vector<1>& measured) {
         return std::abs(measured(0)) <= GnssInput::kLargestLongitude;  // a turn either way
     }
@@ -74,6 +91,8 @@ struct HeightAid {
     static constexpr int kChannels = 1;
     static constexpr bool kBindsVelocity = false;
     static constexpr bool kIsHeight = true;
+    static constexpr int kOwn = aiding::kHeightBias;
+    static constexpr int kOwnCount = 1;
 
     double sigma;  // [m]
 
@@ -81,7 +100,6 @@ struct HeightAid {
     static Vector<1> measured(const Port& port) {
         return Vector<1>(port.height);
     }
-    static Vector<1> with_errors(const Vector<1>& noise, const Vector<1>& /*measured*/) { return noise; }
     static bool possible(const Vector<1>& measured) {
         return measured(0) >= GnssInput::kLowest && measured(0) <= GnssInput::kHighest;
     }

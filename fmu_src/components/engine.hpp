@@ -126,6 +126,7 @@ class Engine {
 
 template <ErrorModel M>
 void Engine<M>::forget() {
+    estimator.appended.part();
     estimator.covariance = prior_sigma.cwiseAbs2().asDiagonal();
 }
 
@@ -133,6 +134,7 @@ template <ErrorModel M>
 void Engine<M>::forget(const Eigen::Vector3d& attitude_sigma) {
     Vector<kStates> sigma = prior_sigma;
     sigma.template segment<3>(Where::attitude.first) = attitude_sigma;
+    estimator.appended.part();
     estimator.covariance = sigma.cwiseAbs2().asDiagonal();
 }
 
@@ -205,6 +207,7 @@ void Engine<M>::set_out(const Start& start) {
     found_.setZero();
     adapter = {};
     corrector.restart();
+    estimator.appended.start();
     Engine::forget();
     if (!start.covariance.isZero(0.0)) {
         take_covariance<Where>(estimator.covariance, start.covariance);

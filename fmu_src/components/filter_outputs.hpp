@@ -61,6 +61,21 @@ void publish_estimate(Outputs& outputs, const Engine& engine, double time, const
     }
 }
 
+// What is known of the constant errors of the aids' sensors.
+template <class Aids>
+void publish_errors_of_sensors(Aids& aids, const Appended& sensors) {
+    const auto& errors = sensors.mean();
+    const Appended::Constants sigma = sensors.covariance().diagonal().cwiseMax(0.0).cwiseSqrt();
+    aids.body_velocity.scale = errors(aiding::kScale);
+    aids.body_velocity.scale_sigma = sigma(aiding::kScale);
+    aids.body_velocity.boresight = errors.segment<3>(aiding::kBoresight);
+    aids.body_velocity.boresight_sigma = sigma.segment<3>(aiding::kBoresight);
+    aids.heading_aid.bias = errors(aiding::kHeadingBias);
+    aids.heading_aid.bias_sigma = sigma(aiding::kHeadingBias);
+    aids.height_aid.bias = errors(aiding::kHeightBias);
+    aids.height_aid.bias_sigma = sigma(aiding::kHeightBias);
+}
+
 // How an aid is.
 template <class Health>
 void publish_health_of(Health& health, const AidMemory& memory, double now, double clock) {

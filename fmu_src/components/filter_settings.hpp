@@ -158,6 +158,17 @@ void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& widest, co
     bayes.start_a = variational_bayes.a;
 }
 
+// Of the constant errors of the aids' sensors (aiding/observation.hpp).
+template <class Parameters>
+Appended::Constants sensor_sigma_of(const Parameters& p) {
+    Appended::Constants sigma;
+    sigma(aiding::kScale) = p.body_velocity.scale_sigma;
+    sigma.segment<3>(aiding::kBoresight) = p.body_velocity.boresight_sigma;
+    sigma(aiding::kHeadingBias) = p.prior.heading_aid_bias_sigma;
+    sigma(aiding::kHeightBias) = p.prior.height_aid_bias_sigma;
+    return sigma;
+}
+
 // With which variance variational Bayes starts a channel: the positions or pseudoranges of a fix come first,
 // as many velocities or range rates after them, or there are velocities alone.
 template <class Where, int M, class Parameters>
@@ -220,6 +231,7 @@ void configure(Engine& engine, const Parameters& p) {
         engine.resumes_coarsely = p.coarse.enabled;
     }
     engine.estimator.predictor = predictor_of(p);
+    engine.estimator.appended.prior_sigma = sensor_sigma_of(p);
     engine.prior_sigma = prior_sigma_of<Engine>(p);
     configure_corrector(engine.corrector, widest_of(engine, p), p);
     engine.corrector.variational_bayes.start_variance =

@@ -19,6 +19,7 @@
 #include <variant>
 
 #include "components/aid_memory.hpp"
+#include "components/aids.hpp"
 #include "components/antenna_history.hpp"
 #include "components/attitude_ledger.hpp"
 #include "components/filter_events.hpp"
@@ -53,7 +54,8 @@ class InertialFilter {
         archive(parameters, inputs, outputs, imu_, gnss_, waiting_, history_, travelled_, status_,
                 nis_window_, recovery_, finder_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_,
                 was_sure_, told_long_interval_, told_samples_, told_fixes_, told_notices_, gnss_used_,
-                gnss_heard_, travelled_to_fix_, leaned_, body_velocity_, heading_aid_, height_aid_);
+                gnss_heard_, leveller_, astray_, astray_at_, leaned_, body_velocity_, heading_aid_,
+                height_aid_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
             configure_engine();
@@ -96,7 +98,11 @@ class InertialFilter {
     std::optional<Refusal> correct_by(E& engine, const Aid& aid, const Vector<K>& measured,
                                       const Vector<K>& sigma, const AntennaState& then, AidMemory& memory);
     template <class E, int N, int K>
-    std::optional<Refusal> correct_with(E& engine, const Innovation<N, K>& innovation, AidMemory& memory);
+    std::optional<Refusal> correct_with(E& engine, const aiding::Sight<N, K>& sight, AidMemory& memory);
+    template <class E>
+    void turned_far(E& engine, const Eigen::Matrix3d& rotation);
+    template <class E>
+    void recover_by(E& engine, const AidDoubt& doubt, AidMemory& memory);
     template <class E, class Aid>
     void take_as_it_is(E& engine, const Eigen::Quaterniond& q_bn, const Vector<Aid::kChannels>& difference);
     template <class Aid>
@@ -129,11 +135,9 @@ class InertialFilter {
     void fault(const char* reason);
     [[nodiscard]] bool alone() const;
     template <class E>
-    void blame(E& engine, const Uncertainty& more, const char* aid);
-    [[nodiscard]] Uncertainty scale_error() const;
-    void doubt_scale();
+    void start_again_level(E& engine);
     template <class E>
-    void admit_scale(E& engine);
+    void go_astray(E& engine);
     void publish_health();
     [[nodiscard]] AttitudeLedger::Gyros gyros() const;
     [[nodiscard]] Contradiction contradiction() const;
@@ -149,6 +153,7 @@ class InertialFilter {
     NisWindow nis_window_;
     Recovery recovery_;
     HeadingFinder finder_;
+    HeadingFinder leveller_;  // of a log, which turns with the computed attitude: it tells the tilt alone
     AttitudeLedger ledger_;
     double opened_ = 0.0;      // when it was, by the filter's clock [s]
     double clock_ = 0.0;       // the master's [s]
@@ -156,8 +161,9 @@ class InertialFilter {
     double last_fix_ = 0.0;    // by the filter's clock, when a fix was used last, or the start [s]
     double gnss_used_ = 0.0;   // likewise, by the master's clock [s]
     double gnss_heard_ = 0.0;  // likewise, when one came that could be compared [s]
+    double astray_ = 0.0;      // by how much the position may have gone, on the way back without fixes [m]
+    double astray_at_ = 0.0;   // when that was reckoned last [s]
     double leaned_ = 0.0;      // by the filter's clock, when the ledger was told last how it may lean [s]
-    Eigen::Vector3d travelled_to_fix_ = Eigen::Vector3d::Zero();  // by then, since the start, ENU [m]
     bool under_way_ = false;
     bool was_sure_ = false;  // of its attitude, since it set out or that was in doubt
     bool told_long_interval_ = false;

@@ -8,13 +8,25 @@ namespace truenorth {
 
 inline constexpr double kAnyVelocity = 100.0;  // sigma of a velocity of which nothing is known [m/s]
 
+// What a rung of the way back does without fixes.
+inline const char* deed_without_fixes(int rung) {
+    if (rung < Recovery::kSensors) {
+        return "";
+    }
+    if (rung < Recovery::kAttitude) {
+        return ", the sensors are in doubt with it";
+    }
+    return rung < Recovery::kRestart
+               ? ", attitude and sensors are in doubt with it"
+               : ", and the filter starts again, level as the force says, with any heading";
+}
+
 // Whether anything came.
 template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::take_aids() {
     const auto& sigma = parameters.measurement;
     const BodyVelocityAid velocity{.lever_arm = parameters.body_velocity.lever_arm,
-                                   .sigma = sigma.body_velocity_sigma,
-                                   .scale_sigma = parameters.body_velocity.scale_sigma};
+                                   .sigma = sigma.body_velocity_sigma};
     const bool moved = take_aid(velocity, inputs.body_velocity, body_velocity_);
     const bool turned =
         take_aid(HeadingAid{.sigma = sigma.heading_aid_sigma}, inputs.heading_aid, heading_aid_);
@@ -50,7 +62,6 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPo
         return refuse(Refusal::impossible);
     }
     sigma = (sigma.array() > 0.0).select(sigma, aid.sigma).eval();
-    sigma = aid.with_errors(sigma, measured);
     const double period = imu_.increment().dt;
     const auto verdict = memory.clock.read(
         port.time, {.now = imu_.time() + imu_.silent_for(), .offset = imu_.offset(), .slack = period});
@@ -67,6 +78,12 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPo
     if (!then) {
         return refuse(Refusal::too_old);
     }
+    if constexpr (Aid::kBindsVelocity) {
+        if (measured.allFinite()) {
+            const Eigen::Vector3d at_imu = measured - then->omega_eb_b.cross(aid.lever_arm);
+            leveller_.add(*then, then->q_bn * at_imu + then->lever_velocity, sigma.maxCoeff());
+        }
+    }
     predict();
     if (status_.faulted()) {
         return true;
@@ -82,22 +99,81 @@ bool InertialFilter<Interface, Engines...>::alone() const {
     return clock_ - gnss_used_ > parameters.coasting.delay;
 }
 
-// The prediction is blamed for what an aid measures.
+// Starts again level, as a log that measured the acceleration says, with any heading and the position that
+// there is.
 template <class Interface, class... Engines>
 template <class E>
-void InertialFilter<Interface, Engines...>::blame(E& engine, const Uncertainty& more, const char* aid) {
-    engine.add_uncertainty(more);
-    ledger_.doubt(more.attitude.diagonal());
-    recovery_.doubt(clock_);
-    if (!log_->listens()) {
+void InertialFilter<Interface, Engines...>::start_again_level(E& engine) {
+    constexpr auto where = E::Where::position;
+    const auto before = engine.covariance();
+    Uncertainty place;
+    if constexpr (where.count == 3) {
+        place.position = before.template block<3, 3>(where.first, where.first);
+    }
+    Change proposal{.rotation = leveller_.upright(0.0)};
+    proposal.velocity = proposal.rotation * outputs.nav.velocity - outputs.nav.velocity;
+    const Discrepancy nowhere{.position = Eigen::Vector3d::Zero(), .velocity = Eigen::Vector3d::Zero()};
+    const Change change = engine.start_again(
+        proposal, {Recovery::kTilt, Recovery::kTilt, Recovery::kAnyHeading}, nowhere, false);
+    engine.add_uncertainty(place);
+    engine.estimator.appended.start();
+    turn(change.rotation);
+    history_.shift(change.velocity, change.displacement);
+}
+
+// An aid has been refused so often in a row that something else is to be blamed. While fixes are used they
+// speak for the prediction, and the sensor's constant errors are in doubt; without them it is the way of
+// recovery.hpp.
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::recover_by(E& engine, const AidDoubt& doubt, AidMemory& memory) {
+    memory.lose_count();
+    if (!alone()) {
+        engine.estimator.appended.forget(doubt.own, doubt.own_count);
         return;
     }
-    if (const auto omitted = told_notices_.tell(Notice::doubted, clock_)) {
-        log_->event(text("the gate refused ", parameters.gate.patience, " measurements in a row of ", aid,
-                         " until ", rounded(clock_),
-                         " s (gate.patience), without fixes that say otherwise: the prediction is blamed",
-                         and_others(*omitted).c_str()));
+    memory.forgive();
+    if (!recovery_.under_way(clock_)) {
+        astray_ = 0.0;
+        astray_at_ = memory.last;
     }
+    const int rung = recovery_.climb(clock_, parameters.gate.patience, was_sure_);
+    was_sure_ = was_sure_ && rung < Recovery::kAttitude;
+    if (log_->listens()) {
+        log_->event(text("the gate refused ", parameters.gate.patience, " measurements in a row of ",
+                         doubt.name, " until ", rounded(clock_),
+                         " s (gate.patience), without fixes that say otherwise: the prediction is blamed",
+                         deed_without_fixes(rung)));
+    }
+    if (rung >= Recovery::kRestart) {
+        start_again_level(engine);
+    }
+    Uncertainty more = doubt.prediction;
+    if (rung >= Recovery::kSensors && rung < Recovery::kRestart) {
+        more.sensors = 1.0;
+    }
+    if (rung == Recovery::kAttitude) {
+        const Eigen::Vector3d sigma(Recovery::kTilt, Recovery::kTilt, Recovery::kHeading);
+        more.attitude.diagonal() += sigma.cwiseAbs2();
+    }
+    engine.add_uncertainty(more);
+    go_astray(engine);
+    if (rung >= Recovery::kSensors) {
+        open_ledger(engine);
+    } else {
+        ledger_.doubt(more.attitude.diagonal());
+    }
+}
+
+// Without fixes and on the way back the filter does not know where it goes: what it believes to go, it may
+// have gone in any direction since it last trusted its log.
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::go_astray(E& engine) {
+    const double before = astray_;
+    astray_ += outputs.nav.velocity.norm() * (clock_ - astray_at_);
+    astray_at_ = clock_;
+    engine.add_uncertainty({.position = (astray_ * astray_ - before * before) * Eigen::Matrix3d::Identity()});
 }
 
 // What of a velocity in body axes a model leaves out whose vertical velocity is no state: that may be any.
@@ -167,7 +243,8 @@ std::optional<Refusal> InertialFilter<Interface, Engines...>::correct_by(E& engi
         .state = engine.estimated({.q_bn = then.q_bn,
                                    .velocity = then.velocity - then.lever_velocity,
                                    .position = earth::displaced(then.position, to_imu)}),
-        .omega_eb_b = then.omega_eb_b};
+        .omega_eb_b = then.omega_eb_b,
+        .sensors = engine.estimator.appended.mean()};
     const Eigen::Quaterniond& q_bn = moment.state.q_bn;
     const auto observation = aid.observe(moment, measured);
     if constexpr (Aid::kIsHeight && !E::kFindsPosition) {
@@ -175,13 +252,12 @@ std::optional<Refusal> InertialFilter<Interface, Engines...>::correct_by(E& engi
             return Refusal::no_channel;
         }
     } else {
-        const auto innovation = aiding::innovation_of(observation, sigma, engine.navigation_errors(),
-                                                      engine.estimator.covariance, unmodelled<E, Aid>(q_bn));
-        if (const auto refusal = correct_with(engine, innovation, memory)) {
-            // Fixes that are used speak for the prediction, and against the aid.
-            if (alone() && memory.out_of_patience(parameters.gate.patience)) {
-                memory.forgive();
-                blame(engine, Aid::doubt(innovation.residual), Aid::kName);
+        const auto sight =
+            aiding::sight_of(observation, sigma, engine.navigation_errors(), engine.estimator.covariance,
+                             engine.estimator.appended, unmodelled<E, Aid>(q_bn));
+        if (const auto refusal = correct_with(engine, sight, memory)) {
+            if (memory.out_of_patience(parameters.gate.patience)) {
+                recover_by(engine, doubt_of<Aid>(sight.innovation.residual), memory);
             }
             return refusal;
         }
@@ -191,30 +267,55 @@ std::optional<Refusal> InertialFilter<Interface, Engines...>::correct_by(E& engi
     return std::nullopt;
 }
 
+// A correction by an angle of many degrees, as there are while the gate stands open, is good to first order:
+// what it leaves is half the square of the angle, of the attitude and of the velocity that turns with it.
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::turned_far(E& engine, const Eigen::Matrix3d& rotation) {
+    const double angle = Eigen::AngleAxisd(rotation).angle();
+    const double left = 0.5 * angle * angle;
+    const double speed = left * outputs.nav.velocity.norm();
+    engine.add_uncertainty({.attitude = left * left * Eigen::Matrix3d::Identity(),
+                            .velocity = speed * speed * Eigen::Matrix3d::Identity()});
+}
+
 // The standard update, if the gate admits it.
 template <class Interface, class... Engines>
 template <class E, int N, int K>
 std::optional<Refusal> InertialFilter<Interface, Engines...>::correct_with(E& engine,
-                                                                           const Innovation<N, K>& innovation,
+                                                                           const aiding::Sight<N, K>& sight,
                                                                            AidMemory& memory) {
+    const Innovation<N, K>& innovation = sight.innovation;
     const int channels = innovation.channels();
     if (channels == 0) {
         return Refusal::no_channel;
     }
     const double nis = truenorth::nis(innovation);
-    if (!memory.admits(engine.corrector.gate, nis, channels)) {
+    const bool open = alone() && recovery_.open();
+    if (!memory.admits(engine.corrector.gate, nis, channels, open)) {
         return Refusal::beyond_gate;
     }
+    if (alone() && recovery_.under_way(clock_)) {
+        recovery_.pass(clock_);
+        go_astray(engine);
+    }
     memory.window.add(imu_.time(), nis, channels);
+    memory.mean.add(innovation);
     const auto correction = Standard().correct(engine.estimator.covariance, innovation);
     typename E::Correction update{};
     update.deviation = correction.deviation;
     update.covariance = correction.covariance;
-    const Change change = engine.apply(update);
-    if (change.finite) {
-        follow(change);
-    } else {
+    const Appended& before = engine.estimator.appended;
+    const Appended sensors =
+        open ? before.considered(innovation, sight.own) : before.after(innovation, sight.own);
+    const Change change = engine.apply(update, &sensors);
+    if (!change.finite) {
         fault("the correction is not finite");
+        return std::nullopt;
+    }
+    follow(change);
+    if (open) {
+        turned_far(engine, change.rotation);
     }
     return std::nullopt;
 }

@@ -153,7 +153,6 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
     if (went_coarsely()) {
         return;
     }
-    admit_scale(engine);
     engine.corrector.gate_stands_open = recovery_.open();
     auto innovation = innovate();
     auto correction = engine.corrected(innovation);
@@ -224,13 +223,9 @@ void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fi
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::note_use(const GnssFix::Mask& measured) {
-    const bool place = measured(0) && measured(1);
     if (measured(0) || measured(1) || measured(3) || measured(4)) {  // a height alone binds nothing
         status_.use_fix(clock_);
         gnss_used_ = clock_;
-    }
-    if (place) {
-        travelled_to_fix_ = travelled_.displacement();
     }
     forgetting_ += imu_.time() - last_fix_;
     last_fix_ = imu_.time();
@@ -244,15 +239,6 @@ template <class E>
 void InertialFilter<Interface, Engines...>::scale(E& engine) {
     const double left = parameters.robust.horizon - forgetting_;
     scale_h_infinity(engine, parameters, std::min(imu_.time() - last_fix_, left));
-}
-
-// The scale factor error of a log that went alone, as soon as a fix could contradict it.
-template <class Interface, class... Engines>
-template <class E>
-void InertialFilter<Interface, Engines...>::admit_scale(E& engine) {
-    if (alone()) {
-        engine.add_uncertainty(scale_error());
-    }
 }
 
 // What a rung of the way back does.
@@ -292,6 +278,7 @@ template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::turn(const Eigen::Matrix3d& rotation) {
     history_.turn(rotation, travelled_);
     finder_.turn(rotation, travelled_);
+    leveller_.turn(rotation, travelled_);
 }
 
 // The gate has refused so many fixes in a row that something else than the fixes is to be blamed: what,

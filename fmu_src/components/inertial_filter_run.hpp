@@ -87,6 +87,7 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     history_.push(antenna());
     give_up_waiting();
     finder_.start();
+    leveller_.start();
     nis_window_.restart();
     recovery_.start();
     status_.start(clock_);  // which may be long after that of the component
@@ -94,7 +95,6 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     last_fix_ = imu_.time();
     gnss_used_ = clock_;
     gnss_heard_ = clock_;
-    travelled_to_fix_.setZero();
     for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
         memory->start(clock_);
     }
@@ -224,6 +224,7 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
                 nis_window_.restart();
                 history_ = AntennaHistory{};
                 finder_.start();
+                leveller_.start();
                 forgetting_ = 0.0;
             }
             const NavigationState before = engine.mechanisation().state;
@@ -353,40 +354,8 @@ void InertialFilter<Interface, Engines...>::publish() {
         std::visit(
             [this](const auto& engine) { publish_estimate(outputs, engine, imu_.stamp(), parameters); },
             engine_);
-        doubt_scale();
     }
     publish_health();
-}
-
-// What the scale factor error of a log makes uncertain: the velocity, and where there are no fixes the way
-// since the last of a position.
-template <class Interface, class... Engines>
-Uncertainty InertialFilter<Interface, Engines...>::scale_error() const {
-    const double scale = parameters.body_velocity.scale_sigma;
-    if (scale <= 0.0 || clock_ - body_velocity_.last > parameters.coasting.delay) {
-        return {};
-    }
-    const Eigen::Vector3d velocity = scale * outputs.nav.velocity;
-    const Eigen::Vector3d way = scale * (travelled_.displacement() - travelled_to_fix_);
-    Uncertainty error{.velocity = velocity * velocity.transpose()};
-    if (alone()) {
-        error.position = way * way.transpose();
-    }
-    return error;
-}
-
-// Its filter knows nothing of it.
-template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::doubt_scale() {
-    const Uncertainty more = scale_error();
-    const auto add = [](Eigen::Vector3d& sigma, const Eigen::Matrix3d& variance) {
-        sigma = (sigma.cwiseAbs2() + variance.diagonal()).cwiseSqrt();
-    };
-    add(outputs.velocity_sigma, more.velocity);
-    outputs.covariance.template block<3, 3>(3, 3) += more.velocity;
-    if constexpr (requires { outputs.position_sigma; }) {
-        add(outputs.position_sigma, more.position);
-    }
 }
 
 // What the clock alone can change.
@@ -403,6 +372,9 @@ void InertialFilter<Interface, Engines...>::publish_health() {
     gnss.rejected = outputs.rejected_fixes;
     gnss.silent_for = clock_ - gnss_used_;
     auto& aid = outputs.aid;
+    const Appended& sensors =
+        std::visit([](const auto& engine) -> const Appended& { return engine.estimator.appended; }, engine_);
+    publish_errors_of_sensors(aid, sensors);
     publish_health_of(aid.body_velocity, body_velocity_, imu_.time(), clock_);
     publish_health_of(aid.heading_aid, heading_aid_, imu_.time(), clock_);
     publish_health_of(aid.height_aid, height_aid_, imu_.time(), clock_);
@@ -437,9 +409,14 @@ Contradiction InertialFilter<Interface, Engines...>::contradiction() const {
         return Contradiction::innovations;
     }
     for (const AidMemory* aid : {&body_velocity_, &heading_aid_, &height_aid_}) {
-        if (aid->contradictions(clock_) >= kContradictions || !(aid->window.deviate(imu_.time()) <= limit)) {
+        if (aid->contradictions(clock_) >= kContradictions || !(aid->window.deviate(imu_.time()) <= limit) ||
+            !(aid->mean.deviate() <= limit)) {
             return Contradiction::aids;
         }
+    }
+    if (!(std::visit([](const auto& engine) { return engine.estimator.appended.deviate(); }, engine_) <=
+          limit)) {
+        return Contradiction::aids;
     }
     const bool explained = ledger_.deviate(imu_.time() - opened_, gyros()) <= limit;
     return explained ? Contradiction::none : Contradiction::start;

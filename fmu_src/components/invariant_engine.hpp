@@ -35,10 +35,11 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
     void start(const Start& start);
 
     void forget();
-    void forget(const Eigen::Vector3d& attitude_sigma);
 
-    // Starts again with the prior, an attitude of these sigmas [rad], and as proposed. Returns what changed.
-    Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma, const Discrepancy& off);
+    // Starts again with the prior, an attitude of these sigmas [rad], and as proposed; with its coarse stage,
+    // if it has one and there are fixes. Returns what changed.
+    Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma, const Discrepancy& off,
+                       bool has_fixes = true);
 
     // Its errors are in body axes. A coarse stage keeps the doubt for the filter that follows.
     void add_uncertainty(const Uncertainty& more);
@@ -61,8 +62,10 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
         return corrected(estimator.covariance, innovation);
     }
 
-    // Corrects the state. The correction must have been used.
-    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction);
+    // Corrects the state. The correction must have been used. `constants`: of the sensors, after it, if it
+    // measured them.
+    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction,
+                 const Appended* constants = nullptr);
 
     [[nodiscard]] bool is_coarse() const { return coarse_.active(); }
 
@@ -153,22 +156,17 @@ void InvariantEngine<coloured>::forget() {
 }
 
 template <bool coloured>
-void InvariantEngine<coloured>::forget(const Eigen::Vector3d& attitude_sigma) {
-    Base::forget(attitude_sigma);
-    know(Covariance(estimator.covariance));
-    if (resumes_coarsely) {
-        coarse_.begin();
-    }
-}
-
-template <bool coloured>
 Change InvariantEngine<coloured>::start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma,
-                                              const Discrepancy& /*off*/) {
+                                              const Discrepancy& /*off*/, bool has_fixes) {
     mechanisation_.state = proposal.of(mechanisation_.state);
     this->forget_sensors();
     estimator.state = M::State::of(mechanisation_.state);
     estimator.state.sensors.template head<6>() << this->gyro_bias_, this->accelerometer_bias_;
-    forget(attitude_sigma);
+    Base::forget(attitude_sigma);
+    know(Covariance(estimator.covariance));
+    if (resumes_coarsely && has_fixes) {
+        coarse_.begin();
+    }
     return proposal;
 }
 
@@ -204,8 +202,9 @@ Prediction InvariantEngine<coloured>::predict() {
 }
 
 template <bool coloured>
-Change InvariantEngine<coloured>::apply(const Correction<Base::kStates, Base::kMeasurements>& correction) {
-    estimator.apply(correction);
+Change InvariantEngine<coloured>::apply(const Correction<Base::kStates, Base::kMeasurements>& correction,
+                                        const Appended* constants) {
+    estimator.apply(correction, constants);
     const Change change = follow();
     this->found_ = to_navigation_ * correction.deviation.template segment<3>(M::kRotation);
     return change;
@@ -258,6 +257,7 @@ auto InvariantEngine<coloured>::navigation_errors() const -> Matrix<aiding::kErr
 template <bool coloured>
 void InvariantEngine<coloured>::know(const Covariance& covariance) {
     estimator.covariance = in_states(covariance);
+    estimator.appended.part();
     refresh();
 }
 

@@ -44,8 +44,10 @@ class NavigationEngine : public Engine<M> {
     [[nodiscard]] Innovation<Base::kStates, Base::kMeasurements> innovate(const Sighting& seen,
                                                                           const typename M::Fix& fix) const;
 
-    // Corrects the estimate and feeds it back. The correction must have been used.
-    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction);
+    // Corrects the estimate and feeds it back. The correction must have been used. `constants`: of the
+    // sensors, after it, if it measured them.
+    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction,
+                 const Appended* constants = nullptr);
 
     // Moves the mechanisation in what the model has no states for: velocity [m/s] and position [m], ENU.
     void move(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement);
@@ -53,7 +55,8 @@ class NavigationEngine : public Engine<M> {
     // Starts again where it is, with the prior and an attitude of these sigmas [rad]; position and velocity
     // are as uncertain as the fix is far off. Returns what changed, which is nothing: the equations of its
     // errors find any heading from here, and they do it sooner with what has been learned of the sensors.
-    Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma, const Discrepancy& off);
+    Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma, const Discrepancy& off,
+                       bool has_fixes = true);
 
     // The navigation state, corrected by the estimate.
     [[nodiscard]] NavigationState best() const { return estimated(mechanisation_.state); }
@@ -122,8 +125,9 @@ auto NavigationEngine<M>::innovate(const Sighting& seen, const typename M::Fix& 
 }
 
 template <ErrorModel M>
-Change NavigationEngine<M>::apply(const Correction<Base::kStates, Base::kMeasurements>& correction) {
-    estimator.apply(correction);
+Change NavigationEngine<M>::apply(const Correction<Base::kStates, Base::kMeasurements>& correction,
+                                  const Appended* constants) {
+    estimator.apply(correction, constants);
     if (!estimator.state.allFinite() || !estimator.covariance.allFinite()) {
         return {.finite = false};
     }
@@ -148,7 +152,7 @@ void NavigationEngine<M>::move(const Eigen::Vector3d& velocity, const Eigen::Vec
 
 template <ErrorModel M>
 Change NavigationEngine<M>::start_again(const Change& /*proposal*/, const Eigen::Vector3d& attitude_sigma,
-                                        const Discrepancy& off) {
+                                        const Discrepancy& off, bool /*has_fixes*/) {
     this->forget();
     this->add_uncertainty({.attitude = attitude_sigma.cwiseAbs2().asDiagonal(),
                            .velocity = off.velocity.cwiseAbs2().asDiagonal(),

@@ -28,12 +28,14 @@ class StateEngine : public Engine<M> {
         return estimator.innovate(fix);
     }
 
-    // Corrects the state. The correction must have been used.
-    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction);
+    // Corrects the state. The correction must have been used. `constants`: of the sensors, after it, if it
+    // measured them.
+    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction,
+                 const Appended* constants = nullptr);
 
     // Starts again with the prior, an attitude of these sigmas [rad], and as proposed. Returns what changed.
     Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma,
-                       const Discrepancy& /*off*/) {
+                       const Discrepancy& /*off*/, bool /*has_fixes*/ = true) {
         this->forget(attitude_sigma);
         estimator.state = proposal.of(estimator.state);
         mechanisation_.state = estimator.state;
@@ -79,9 +81,10 @@ Prediction StateEngine<M>::mechanise(const ImuIncrement& increment) {
 
 template <ErrorModel M>
     requires std::same_as<typename M::State, NavigationState>
-Change StateEngine<M>::apply(const Correction<Base::kStates, Base::kMeasurements>& correction) {
+Change StateEngine<M>::apply(const Correction<Base::kStates, Base::kMeasurements>& correction,
+                             const Appended* constants) {
     const NavigationState before = estimator.state;
-    estimator.apply(correction);
+    estimator.apply(correction, constants);
     mechanisation_.state = estimator.state;
     if (!estimator.state.finite() || !estimator.covariance.allFinite()) {
         return {.finite = false};

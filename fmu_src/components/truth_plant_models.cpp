@@ -284,7 +284,8 @@ Models::Models(const Parameters& parameters)
       gnss_fault(settings<plant::GnssFault>(parameters.fault.gnss), 1.0 / parameters.imu.rate),
       samples_per_fix(static_cast<std::uint64_t>(std::llround(parameters.imu.rate / parameters.gnss.rate))),
       body_velocity({.sigma = parameters.body_velocity.noise_sigma,
-                     .scale_sigma = parameters.body_velocity.scale_sigma},
+                     .scale_sigma = parameters.body_velocity.scale_sigma,
+                     .boresight_sigma = parameters.body_velocity.boresight_sigma},
                     static_cast<std::uint32_t>(parameters.seed)),
       body_velocity_schedule(schedule(parameters.body_velocity, parameters.imu.rate)),
       heading_aid(scalar_sensor(

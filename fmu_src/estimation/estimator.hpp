@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "estimation/appended.hpp"
 #include "estimation/augmented.hpp"
 #include "estimation/linearised.hpp"
 #include "estimation/model.hpp"
@@ -32,6 +33,7 @@ class Estimator {
     Predictor predictor;
     typename M::State state = origin<M>();
     Matrix<kStates> covariance = Matrix<kStates>::Zero();
+    Appended appended;  // constants of sensors
 
     // First phase: state and covariance at the end of the interval.
     Prediction predict(const typename M::Interval& interval);
@@ -39,8 +41,14 @@ class Estimator {
     // Second phase.
     [[nodiscard]] Innovation<kStates, M::kMeasurements> innovate(const typename M::Fix& fix) const;
 
-    // Third phase, once a corrector has spoken.
-    void apply(const Correction<kStates, M::kMeasurements>& correction) {
+    // Third phase, once a corrector has spoken. A measurement that is one of the constants too says what they
+    // are after it.
+    void apply(const Correction<kStates, M::kMeasurements>& correction, const Appended* constants = nullptr) {
+        if (constants != nullptr) {
+            appended = *constants;
+        } else {
+            appended.learn<kStates>(covariance, correction.covariance, correction.deviation);
+        }
         state = model.retract(state, correction.deviation);
         covariance = correction.covariance;
     }
@@ -54,7 +62,7 @@ class Estimator {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(state, covariance);
+        archive(state, covariance, appended);
     }
 };
 
@@ -63,6 +71,9 @@ class Estimator {
 
 template <ErrorModel M>
 Prediction Estimator<M>::predict(const typename M::Interval& interval) {
+    if (appended.related()) {
+        appended.carry<kStates>(model.transition(state, interval));
+    }
     return std::visit([&](const auto& chosen) { return chosen.predict(model, state, covariance, interval); },
                       predictor);
 }
@@ -76,6 +87,9 @@ auto Estimator<M>::innovate(const typename M::Fix& fix) const -> Innovation<kSta
 template <ErrorModel M>
 void Estimator<M>::reset() {
     if constexpr (Resettable<M>) {
+        if (appended.related()) {
+            appended.carry<kStates>(model.reset_jacobian(state));
+        }
         covariance = covariance_of_remaining();
         if constexpr (requires { model.remaining(state); }) {
             state = model.remaining(state);

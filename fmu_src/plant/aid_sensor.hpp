@@ -28,8 +28,9 @@ struct AidSchedule {
 class BodyVelocitySensor {
   public:
     struct Errors {
-        Eigen::Vector3d sigma;  // of the white noise [m/s]
-        double scale_sigma;     // of the scale factor [-]
+        Eigen::Vector3d sigma;            // of the white noise [m/s]
+        double scale_sigma;               // of the scale factor [-]
+        Eigen::Vector3d boresight_sigma;  // of its axes against the body's [rad]
     };
 
     BodyVelocitySensor(const Errors& errors, std::uint32_t seed);
@@ -39,6 +40,7 @@ class BodyVelocitySensor {
   private:
     Eigen::Vector3d sigma_;
     double scale_;
+    Eigen::Matrix3d axes_;  // body to sensor
     NoiseStream noise_;
 };
 

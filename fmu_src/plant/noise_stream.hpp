@@ -36,6 +36,7 @@ enum class NoiseSource : std::uint8_t {
     heading_aid_bias = 23,
     height_aid = 24,
     height_aid_bias = 25,
+    body_velocity_boresight = 26,
 };
 
 class NoiseStream {

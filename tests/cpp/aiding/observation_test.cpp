@@ -23,7 +23,8 @@ using Errors = Vector<kErrors>;
 // The computed state that is off by these errors, and the gyros' with it.
 Moment wrong(const Moment& truth, const Errors& errors) {
     return {.state = navigation_error::retract(truth.state, errors.head<9>()),
-            .omega_eb_b = truth.omega_eb_b + errors.segment<3>(kGyro)};
+            .omega_eb_b = truth.omega_eb_b + errors.segment<3>(kGyro),
+            .sensors = truth.sensors};
 }
 
 template <int K, class Observe>
@@ -32,12 +33,23 @@ void expect_derivative(const Observe& observe, const Moment& truth, double toler
     const Matrix<K, kErrors> expected =
         central_difference<K, kErrors>(difference, Errors(Errors::Zero()), 1e-4);
     EXPECT_LT((observe(truth).sensitivity - expected).cwiseAbs().maxCoeff(), tolerance);
+
+    // What a sensor's errors are known to be goes into the prediction: what they are more does not.
+    const auto known = [&](const Appended::Constants& errors) {
+        Moment moment = truth;
+        moment.sensors += errors;
+        return observe(moment).difference;
+    };
+    const Matrix<K, kSensorErrors> own =
+        central_difference<K, kSensorErrors>(known, Appended::Constants(Appended::Constants::Zero()), 1e-4);
+    EXPECT_LT((observe(truth).own + own).cwiseAbs().maxCoeff(), tolerance);
 }
 
 TEST(Observation, SensitivityIsTheDerivativeOfTheDifference) {
     RandomValues random(1);
     for (int n = 0; n < 50; ++n) {
-        const Moment truth{.state = random.navigation_state(), .omega_eb_b = random.vector(0.5)};
+        Moment truth{.state = random.navigation_state(), .omega_eb_b = random.vector(0.5)};
+        truth.sensors << 0.01, random.vector(0.02), 0.1, 2.0;
         const Vector3d lever_arm = random.vector(5.0);
         const Vector3d measured = random.vector(20.0);
         expect_derivative<3>([&](const Moment& m) { return body_velocity(m, lever_arm, measured); }, truth,
@@ -83,15 +95,23 @@ TEST(Observation, MakesAnInnovationOfWhatIsMeasured) {
     const Matrix<4> root = Matrix<4>::Random();
     const Matrix<4> P = root * root.transpose();
     const Vector3d sigma(nan, 0.1, 0.2);
-    const auto innovation = innovation_of(observation, sigma, errors, P);
+    Appended sensors;
+    sensors.prior_sigma << 0.01, 0.1, 0.2, 0.3, 0.0, 0.0;
+    sensors.start();
+    const auto [innovation, own] = sight_of(observation, sigma, errors, P, sensors);
     EXPECT_EQ(innovation.channels(), 2);
     const Matrix<3, 4> H = observation.sensitivity * errors;
+    const Matrix<3, kSensorErrors>& L = observation.own;
+    const Matrix<kSensorErrors> S = sensors.covariance();
     for (int i = 1; i < 3; ++i) {
         EXPECT_EQ(innovation.residual(i), observation.difference(i));
         EXPECT_NEAR(innovation.noise(i, i), sigma(i) * sigma(i), 1e-15);
         EXPECT_LT((innovation.cross.col(i) - P * H.row(i).transpose()).norm(), 1e-9);
-        EXPECT_NEAR(innovation.spread(i, i), H.row(i) * P * H.row(i).transpose(), 1e-6);
+        EXPECT_NEAR(innovation.spread(i, i),
+                    H.row(i).dot(P * H.row(i).transpose()) + L.row(i).dot(S * L.row(i).transpose()), 1e-6);
+        EXPECT_LT((own.col(i) - S * L.row(i).transpose()).norm(), 1e-12);
     }
+    EXPECT_TRUE(own.col(0).isZero(0.0));
     EXPECT_TRUE(innovation.cross.col(0).isZero(0.0));
     EXPECT_TRUE(innovation.residual.allFinite());
 }

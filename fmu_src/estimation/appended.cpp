@@ -1,0 +1,42 @@
+#include "estimation/appended.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace truenorth {
+
+void Appended::forget(int first, int count) {
+    covariance_.middleRows(first, count).setZero();
+    covariance_.middleCols(first, count).setZero();
+    for (int i = first; i < first + count; ++i) {
+        covariance_(i, i) = prior_sigma(i) * prior_sigma(i);
+    }
+    mean_.segment(first, count).setZero();
+    cross_.middleCols(first, count).setZero();
+}
+
+double Appended::deviate() const {
+    double largest = 0.0;
+    for (int i = 0; i < kCount; ++i) {
+        if (prior_sigma(i) > 0.0) {
+            largest = std::max(largest, std::abs(mean_(i)) / prior_sigma(i));
+        }
+    }
+    return largest;
+}
+
+void Appended::regress(const Rows& prior, const Rows& posterior,
+                       const Eigen::Ref<const Eigen::VectorXd>& deviation) {
+    using Regression =
+        Eigen::Matrix<double, Eigen::Dynamic, kCount, Eigen::ColMajor, kMostStates, kCount>;  // G^T
+    const Eigen::Index n = prior.rows();
+    const Eigen::LDLT<BoundedMatrix> P{BoundedMatrix(prior)};
+    const Regression G = P.solve(Regression(cross_.topRows(n)));
+    const Regression changed = BoundedMatrix(posterior - prior).lazyProduct(G);
+    mean_ += G.transpose().lazyProduct(deviation);
+    covariance_ += G.transpose().lazyProduct(changed);
+    symmetrise(covariance_);
+    cross_.topRows(n) += changed;
+}
+
+}  // namespace truenorth

@@ -1,0 +1,57 @@
+// Whether the innovations of late have no mean. Those of a filter that is what it believes to be are white:
+// of n of them, each by its sigma, the sum has the variance n. A constant error of the measurement that the
+// filter was not told of pulls the estimate along and leaves a part of itself in every innovation, each well
+// within its covariance.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/gaussian.hpp"
+
+namespace truenorth {
+
+template <int K>
+class InnovationMean {
+  public:
+    void restart() { *this = {}; }
+
+    // Of K channels at most; what was not measured adds nothing.
+    template <int N, int M>
+        requires(M <= K)
+    void add(const Innovation<N, M>& innovation) {
+        constexpr double keep = 1.0 - 1.0 / kMemory;
+        const Vector<M> variance = (innovation.spread + innovation.noise).diagonal();
+        for (int i = 0; i < M; ++i) {
+            if (innovation.present(i)) {
+                sum_(i) = keep * sum_(i) + innovation.residual(i) / std::sqrt(variance(i));
+                variance_(i) = keep * keep * variance_(i) + 1.0;
+            }
+        }
+    }
+
+    // Of the channel that is farthest off, in standard deviations; 0 while there are few.
+    [[nodiscard]] double deviate() const {
+        double largest = 0.0;
+        for (int i = 0; i < K; ++i) {
+            if (variance_(i) > kEnough) {
+                largest = std::max(largest, std::abs(sum_(i)) / std::sqrt(variance_(i)));
+            }
+        }
+        return largest;
+    }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(sum_, variance_);
+    }
+
+  private:
+    static constexpr double kMemory = 300.0;  // measurements
+    static constexpr double kEnough = 10.0;   // likewise
+
+    Vector<K> sum_ = Vector<K>::Zero();
+    Vector<K> variance_ = Vector<K>::Zero();
+};
+
+}  // namespace truenorth
