@@ -21,6 +21,10 @@ to a gyro bias that matters nothing here) ::
 
     z_v = dv + C_bn (w x l) x phi,   z_r = dr + C_bn l x phi
 
+A log measures the velocity in body axes; its scale factor error k is one state more ::
+
+    z_u = C_nb (dv + phi x v) - k C_nb v
+
 No filter that knows these statistics has a smaller mean square error, whatever its algorithm; RMS over time
 of sigma(phi_up) is the figure to hold a filter's heading RMSE against. It is a mean over many runs: a single
 run may well lie below.
@@ -36,6 +40,7 @@ from numpy.typing import NDArray
 from sim_scenarios.attitude import skew
 from sim_scenarios.earth import EARTH_RATE, curvature, earth_rate, gravity, radii
 from sim_scenarios.errors import InputError
+from sim_scenarios.timeline import inside
 from sim_scenarios.units import DEGREE, HOUR, STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
@@ -70,12 +75,21 @@ class Trajectory:
 
 
 @dataclass(frozen=True)
+class Log:
+    """Velocities in body axes: sigma (right, forward, up) [m/s], rate [Hz], sigma of its scale factor."""
+
+    sigma: tuple[float, float, float]
+    rate: float
+    scale_sigma: float = 0.0
+
+
+@dataclass(frozen=True)
 class Knowledge:
     """What is known before and besides the measurements: prior sigmas, noise densities, GNSS; SI units.
 
     The defaults are those of the scenario of Zhou 2011. Sigmas of GNSS may be given for each axis (east,
-    north, up); without one of the position there are no positions. The lever arm runs from the IMU to the
-    antenna (right, forward, up).
+    north, up); without one of the position there are no positions, with a rate of 0 no fixes. The lever arm
+    runs from the IMU to the antenna (right, forward, up). A log stands at the IMU.
     """
 
     tilt_sigma: float = 1.0 * DEGREE
@@ -90,6 +104,7 @@ class Knowledge:
     gnss_position_sigma: float | tuple[float, float, float] | None = None
     gnss_rate: float = 1.0
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    log: Log | None = None
 
     def steady_course_limit(self, latitude: float) -> float:
         """Heading sigma that the east gyro bias leaves without manoeuvres: eps_E / (w_ie cos L) [rad]."""
@@ -98,16 +113,16 @@ class Knowledge:
 
 @dataclass(frozen=True)
 class Bound:
-    """Covariance of the matched filter after each fix.
+    """Covariance of the matched filter after each fix, and each measurement of a log.
 
     Attributes
     ----------
     time : ndarray, shape (m,)
         Times of the fixes, the start included [s].
-    sigma : ndarray, shape (m, 12) or (m, 15)
+    sigma : ndarray, shape (m, 12) or (m, 15), one column more with a log
         Square root of the diagonal of the covariance: attitude (east, north, up) [rad], velocity (east,
         north, up) [m/s], gyro bias (right, forward, up) [rad/s], accelerometer bias (right, forward, up)
-        [m/s2] and, where positions are measured, position (east, north, up) [m].
+        [m/s2], where positions are measured, position (east, north, up) [m], and the scale of a log.
     """
 
     time: Array
@@ -121,10 +136,10 @@ class Bound:
 
     def heading_rms(self, start: float, stop: float) -> float:
         """Root mean square of the heading sigma over start..stop [rad]."""
-        inside = (self.time >= start) & (self.time <= stop)
-        if not inside.any():
+        held = inside(self.time, start, stop)
+        if not held.any():
             raise InputError(f"the bound has no fix between {start:g} s and {stop:g} s")
-        return float(np.sqrt(np.mean(self.heading_sigma[inside] ** 2)))
+        return float(np.sqrt(np.mean(self.heading_sigma[held] ** 2)))
 
 
 def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
@@ -142,37 +157,62 @@ def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
     Bound
         At the start and after each fix.
     """
-    prior, measurement = _prior_sigma(knowledge), _measurement_sigma(knowledge)
-    if knowledge.gnss_rate <= 0 or np.any(measurement <= 0):
-        raise InputError("the bound needs GNSS: a rate and sigmas greater than 0")
+    prior = _prior_sigma(knowledge)
+    aids = _aids(trajectory, knowledge, len(prior))
     transition, noise = _discretise(trajectory, knowledge, len(prior))
-    H = _observation(trajectory, knowledge, len(prior))
-    R = np.diag(measurement**2)
     P = np.diag(prior**2)
-
-    # Fixes that come between two samples of the trajectory count at the later one.
-    fix_count = np.floor((trajectory.time - trajectory.time[0]) * knowledge.gnss_rate + 1e-6).astype(int)
-    arriving = np.diff(fix_count, prepend=0)
-
     variance = [P.diagonal().copy()]
+    measured = np.zeros(len(trajectory.time), bool)
     for k in range(1, len(trajectory.time)):
         P = transition[k - 1] @ P @ transition[k - 1].T + noise[k - 1]
-        if arriving[k]:
-            cross = H[k] @ P
-            P = P - cross.T @ np.linalg.solve(cross @ H[k].T + R / arriving[k], cross)
-            P = (P + P.T) / 2
+        for aid in aids:
+            if aid.arriving[k]:
+                measured[k] = True
+                cross = aid.H[k] @ P
+                P = P - cross.T @ np.linalg.solve(cross @ aid.H[k].T + aid.R / aid.arriving[k], cross)
+                P = (P + P.T) / 2
+        if measured[k]:
             variance.append(P.diagonal().copy())
-    time = np.concatenate((trajectory.time[:1], trajectory.time[arriving > 0]))
+    time = np.concatenate((trajectory.time[:1], trajectory.time[measured]))
     return Bound(time=time, sigma=np.sqrt(np.array(variance)))
 
 
+@dataclass(frozen=True)
+class _Aid:
+    """Measurement matrix at every time of the trajectory, noise covariance, how many arrive at each time."""
+
+    H: Array
+    R: Array
+    arriving: NDArray[np.int_]
+
+
+def _aids(trajectory: Trajectory, knowledge: Knowledge, states: int) -> list[_Aid]:
+    """What measures along a trajectory. What comes between two of its samples counts at the later one."""
+    log = knowledge.log
+    aids = []
+    for rate, sigma, observe in (
+        (knowledge.gnss_rate, _measurement_sigma(knowledge), _observation),
+        (log.rate if log else 0.0, np.array(log.sigma if log else ()), _observation_of_log),
+    ):
+        if rate > 0:
+            if np.any(sigma <= 0):
+                raise InputError("the bound needs GNSS and a log with sigmas greater than 0")
+            count = np.floor((trajectory.time - trajectory.time[0]) * rate + 1e-6).astype(int)
+            H = observe(trajectory, knowledge, states)
+            aids.append(_Aid(H, np.diag(sigma**2), np.diff(count, prepend=0)))
+    if not aids:
+        raise InputError("the bound needs GNSS or a log: a rate and sigmas greater than 0")
+    return aids
+
+
 def _prior_sigma(knowledge: Knowledge) -> Array:
-    """Of all states; those of the position count where positions are measured."""
+    """Of all states; those of the position count where positions are measured, a scale where a log is."""
     k = knowledge
     triples = [k.velocity_sigma, k.gyro_bias_sigma, k.accelerometer_bias_sigma]
     if k.gnss_position_sigma is not None:
         triples.append(k.position_sigma)
-    return np.array([k.tilt_sigma, k.tilt_sigma, k.heading_sigma, *np.repeat(triples, 3)])
+    scale = [k.log.scale_sigma] if k.log else []
+    return np.array([k.tilt_sigma, k.tilt_sigma, k.heading_sigma, *np.repeat(triples, 3), *scale])
 
 
 def _measurement_sigma(knowledge: Knowledge) -> Array:
@@ -193,6 +233,16 @@ def _observation(trajectory: Trajectory, knowledge: Knowledge, states: int) -> A
     for row, (state, lever) in zip((slice(0, 3), slice(3, 6)), observed, strict=False):
         H[:, row, state] = np.eye(3)
         H[:, row, ATTITUDE] = skew(lever)
+    return H
+
+
+def _observation_of_log(trajectory: Trajectory, _: Knowledge, states: int) -> Array:
+    """Likewise of a log, shape (n, 3, states)."""
+    C_nb = np.swapaxes(trajectory.C_bn, -1, -2)
+    H = np.zeros((len(C_nb), 3, states))
+    H[:, :, VELOCITY] = C_nb
+    H[:, :, ATTITUDE] = -C_nb @ skew(trajectory.velocity)
+    H[:, :, -1] = -(C_nb @ trajectory.velocity[..., None])[..., 0]
     return H
 
 
@@ -224,7 +274,7 @@ def _discretise(trajectory: Trajectory, knowledge: Knowledge, states: int) -> tu
     F[:, VELOCITY, ATTITUDE] = skew(force)
     F[:, VELOCITY, VELOCITY] = -coriolis + skew(velocity) @ to_transport_rate
     F[:, VELOCITY, ACCELEROMETER_BIAS] = C_bn
-    if states > POSITION.start:
+    if knowledge.gnss_position_sigma is not None:
         F[:, POSITION, POSITION] = -skew(w_en)
         F[:, POSITION, VELOCITY] = np.eye(3)
         F[:, VELOCITY.stop - 1, POSITION.stop - 1] = 2 * g / radii(latitude)[1]

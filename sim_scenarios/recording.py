@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from sim_scenarios import attitude
 from sim_scenarios.cosimulation import Recorded
-from sim_scenarios.earth import radii
+from sim_scenarios.earth import displacement
 from sim_scenarios.fmus import Fmu
 
 FIX_OUTPUTS: Final = (
@@ -127,15 +127,16 @@ def _handed_over(data: xr.Dataset) -> xr.Dataset:
     has_estimate = data["heading_sigma"] > 0  # a filter that waits for a start has no covariance
     time = data["time"].where(has_estimate).min("time")
     time.attrs = {"units": "s", "description": "First recorded time at which the filter navigates"}
-    heading = attitude.wrap(data[f"{ALIGNMENT}nav.heading"].values - data["truth.heading"].values)
-    description = "Heading of the alignment minus true heading"
-    data = data.assign(
-        {
-            HAND_OVER: time,
-            f"{ALIGNMENT}heading_error": ("time", heading, {"units": "rad", "description": description}),
-            **{name: data[name].where(has_estimate) for name in ERRORS},
-        }
-    )
+    data = data.assign({HAND_OVER: time})
+    if "truth.heading" in data:
+        heading = attitude.wrap(data[f"{ALIGNMENT}nav.heading"].values - data["truth.heading"].values)
+        description = "Heading of the alignment minus true heading"
+        data = data.assign(
+            {
+                f"{ALIGNMENT}heading_error": ("time", heading, {"units": "rad", "description": description}),
+                **{name: data[name].where(has_estimate) for name in ERRORS},
+            }
+        )
     seen = ((data["used_fixes"] > 0) | (data["rejected_fixes"] > 0)).any("filter")
     rows: xr.Dataset = data.isel(fix=seen.values)
     return rows
@@ -165,20 +166,16 @@ def _attitude_errors(data: xr.Dataset) -> dict[str, Entry]:
 
 def _position_and_velocity_errors(data: xr.Dataset) -> dict[str, Entry]:
     """Errors of position and velocity against the truth, estimated minus true (east, north, up)."""
-    latitude, height = data["truth.latitude"].values, data["truth.height"].values
-    meridian, prime_vertical = radii(latitude)
-    longitude_error = attitude.wrap(data["nav.longitude"].values - data["truth.longitude"].values)
-    position = (
-        longitude_error * (prime_vertical + height) * np.cos(latitude),
-        (data["nav.latitude"].values - latitude) * (meridian + height),
-        data["nav.height"].values - height,
+    estimated, true = (
+        np.stack([data[f"{frame}.{name}"].values for name in ("latitude", "longitude", "height")], axis=-1)
+        for frame in ("nav", "truth")
     )
     velocity = data["nav.velocity"].values - data["truth.velocity"].values
     dimensions, meaning = ("filter", "time", "axis3"), "Estimated minus true"
     return {
         "position_error": (
             dimensions,
-            np.stack(position, axis=-1),
+            displacement(estimated, true),
             {"units": "m", "description": f"{meaning} position (east, north, up)"},
         ),
         "velocity_error": (

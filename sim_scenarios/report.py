@@ -23,9 +23,11 @@ from sim_scenarios.metrics import Verdict, hand_over, is_navigation, judge
 from sim_scenarios.metrics.alignment import bound_in_words
 from sim_scenarios.metrics.verdict import status_at_end
 from sim_scenarios.plots import fixes, heading, navigation
+from sim_scenarios.plots import track as pictures_of_track
 from sim_scenarios.plots.states import states
 from sim_scenarios.plots.style import png
-from sim_scenarios.recording import HAND_OVER, under_way
+from sim_scenarios.recording import ERRORS, HAND_OVER, under_way
+from sim_scenarios.recordings import comparison, outages, track
 from sim_scenarios.units import ARCMIN, DEGREE
 
 Array = NDArray[np.float64]
@@ -112,7 +114,7 @@ REPLAY = (
     Drawing(
         "states",
         "Estimate of every state with 3 sigma; with feedback the misalignment is what the last fix found.",
-        states,
+        lambda run: states(run.drop_vars(ERRORS, errors="ignore")),
     ),
     _INNOVATIONS,
     *_FIXES,
@@ -182,12 +184,63 @@ def report_bound(data: xr.Dataset, folder: Path) -> Path:
 
 def report_replay(run: xr.Dataset, folder: Path) -> Path:
     """Report of a recording of `sim_scenarios.replay`; returns the path of the page."""
-    figures = {
-        **heading_at_end(run),
-        "Fixes used, rejected": f"{int(run['fix_used'].sum())}, {int((~run['fix_used']).sum())}",
+    ends = outages.ends(run)
+    page = Page(
+        Path(run.attrs["recording"]).name,
+        replay_sentence(run),
+        replay_converged(run),
+        {**heading_at_end(run), **replay_figures(run)},
+        outages.table(ends) if ends else heading_table(run),
+    )
+    return _write(run, [*REPLAY, *_of_recording(run, ends)], page, folder)
+
+
+def replay_figures(run: xr.Dataset) -> dict[str, str]:
+    """What a recording's result was worth: against its reference, its fixes, at the ends of its outages."""
+    referred = comparison.against_reference(run)
+    ends = outages.ends(run)
+    used, rejected = (int(count.sum()) for count in (run["fix_used"], ~run["fix_used"]))
+    figures = {} if referred is None else referred.headline()
+    if ends:
+        rms_at_ends = outages.figures(ends)["horizontal_rms_m"]
+        figures[f"RMS at the ends of {len(ends)} outages"] = f"{rms_at_ends:.2f} m horizontal"
+    return {
+        **figures,
+        **comparison.against_fixes(run).headline(),
+        "Fixes used, rejected": f"{used}, {rejected}",
     }
-    title, good = Path(run.attrs["recording"]).name, replay_converged(run)
-    return _write(run, REPLAY, Page(title, replay_sentence(run), good, figures, heading_table(run)), folder)
+
+
+def _of_recording(run: xr.Dataset, ends: list[outages.End]) -> list[Drawing]:
+    """Pictures that not every recording has."""
+    drawings = []
+    if track.navigates_from(run) < np.inf and "receiver.position" in run:
+        drawings.append(Drawing("track", "Track of the filter and the fixes.", pictures_of_track.track))
+    if len(comparison.heading_minus_course(run)[0]):
+        drawings.append(
+            Drawing(
+                "course",
+                "Heading minus course over ground: mounting and side slip, and what the filter adds.",
+                pictures_of_track.course,
+            )
+        )
+    if ends:
+        caption = "Error at the end of each outage: antenna of the filter minus the last fix of it."
+        drawings.append(Drawing("outages", caption, lambda _: pictures_of_track.outage_ends(ends)))
+    if comparison.against_reference(run) is not None and all(name in run for name in ERRORS):
+        drawings += [
+            Drawing(
+                "navigation",
+                "Magnitude of the errors against the reference with 1 sigma of the filter.",
+                lambda data: navigation.navigation_error(comparison.compared(data)),
+            ),
+            Drawing(
+                "errors",
+                "Error of every state against the reference with 3 sigma.",
+                lambda data: states(comparison.compared(data)),
+            ),
+        ]
+    return drawings
 
 
 def replay_converged(run: xr.Dataset) -> bool:

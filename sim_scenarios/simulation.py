@@ -6,7 +6,6 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, closing
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +13,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import attitude, recording
-from sim_scenarios.bounds import POSITION, Knowledge, Trajectory, cramer_rao
+from sim_scenarios.bounds import POSITION, Knowledge, Log, Trajectory, cramer_rao
 from sim_scenarios.cosimulation import (
     AlignmentSource,
     DisturbedSource,
     FmuSource,
-    Order,
     Progress,
     Recorded,
     Sink,
@@ -33,6 +31,9 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number
 from sim_scenarios.instance import Instance, Message, Port
 from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.stepping import Order
+from sim_scenarios.timeline import instants, whole
+from sim_scenarios.version import product_version
 
 Array = NDArray[np.float64]
 
@@ -70,7 +71,11 @@ NOT_IN_THE_BOUND = (
     "fault.imu.kind",
     "fault.gnss.kind",
     "gnss.measures_",
-    "body_velocity.rate",
+    "body_velocity.lever_arm",
+    "body_velocity.boresight_sigma",
+    "body_velocity.measures",
+    "body_velocity.outage.begin",
+    "body_velocity.outage.end",
     "heading_aid.rate",
     "height_aid.rate",
 )
@@ -91,7 +96,7 @@ def run(
     *,
     seed: int | None = None,
     set: Mapping[str, object] | None = None,  # noqa: A002  (the word of the command line)
-    order: Order = Order.gauss_seidel,
+    order: Order | str = Order.gauss_seidel,
     progress: Progress = lambda _: None,
     fmus: Fmus | None = None,
 ) -> xr.Dataset:
@@ -100,14 +105,14 @@ def run(
     Parameters
     ----------
     scenario : str or Path
-        Name of a shipped scenario, or path of a TOML file.
+        Name of a shipped scenario, or path of a TOML file, whose `.toml` may be left out.
     seed : int, optional
         Seed of every random stream of the plant.
     set : mapping, optional
         Values by name, in SI units or with a unit: any FMU parameter (`{"imu.gyro.bias": "0.05 deg/h"}`) or
         entry of the scenario (`{"duration": 900}`).
-    order : Order
-        Who steps first.
+    order : Order or str
+        Who steps first, as enumeration or its value: "gauss-seidel", "jacobi".
     progress : callable
         Called with the completed share.
     fmus : Fmus, optional
@@ -118,6 +123,7 @@ def run(
     xarray.Dataset
         See `recording`; `metrics.judge` gives the verdict on it.
     """
+    order = Order(order)
     fmus = fmus or Fmus()
     loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
     return recording.of_filter(
@@ -180,7 +186,7 @@ def bound_of(scenario: Scenario, fmus: Fmus) -> xr.Dataset:
 
 def _true_trajectory(scenario: Scenario, fmus: Fmus) -> Trajectory:
     """Motion of the plant at the recording period; no filter runs."""
-    times = _times(scenario.duration, scenario.recording_period)
+    times = instants(scenario.duration, scenario.communication_step, stride(scenario))
     with ExitStack() as stack:
         plant = start_plant(scenario, fmus, stack)
         table = Table(Port(plant, TRUTH), len(times))
@@ -253,11 +259,7 @@ def connect(
 
     def begun(fmu: Fmu, label: str, values: Mapping[str, Number], source: Source) -> Sink:
         instance = stack.enter_context(closing(Instance(fmu, label, values)))
-        instance.begin_initialisation(0.0, scenario.duration)
-        sink = Sink(instance, source)
-        sink.receive()
-        instance.finish_initialisation()
-        return sink
+        return Sink.initialised(instance, source, 0.0, scenario.duration)
 
     filter_fmu = fmus[scenario.filter_fmu]
     plant = start_plant(scenario, fmus, stack)
@@ -286,14 +288,19 @@ def record(
     return simulate(
         source,
         sinks,
-        _times(scenario.duration, scenario.communication_step),
-        record_every=_whole(scenario.recording_period, scenario.communication_step, "recording_period"),
+        instants(scenario.duration, scenario.communication_step),
+        record_every=stride(scenario),
         source_outputs=[name for name in fmus.plant.outputs() if name.startswith("truth.")],
         fix_outputs=recording.fix_outputs(fmus[scenario.filter_fmu]),
         alignment_outputs=recording.ALIGNMENT_OUTPUTS,
         order=order,
         progress=progress,
     )
+
+
+def stride(scenario: Scenario) -> int:
+    """Communication steps from one recorded instant to the next."""
+    return whole(scenario.recording_period, scenario.communication_step, "recording_period")
 
 
 def filter_values(
@@ -344,15 +351,25 @@ def knowledge(scenario: Scenario, plant: Fmu, filter_fmu: Fmu) -> Knowledge:
         return value(f"{name}[1]"), value(f"{name}[2]"), value(f"{name}[3]")
 
     measures_position = _measures_position(scenario, filter_fmu)
+    log = Log(
+        vector("body_velocity.noise_sigma"), value("body_velocity.rate"), value("body_velocity.scale_sigma")
+    )
     return Knowledge(
         **scenario.bound.model_dump(),
         angle_random_walk=value("imu.gyro.white_noise"),
         velocity_random_walk=value("imu.accelerometer.white_noise"),
         gnss_velocity_sigma=vector("gnss.velocity_sigma"),
         gnss_position_sigma=vector("gnss.position_sigma") if measures_position else None,
-        gnss_rate=value("gnss.rate"),
+        gnss_rate=value("gnss.rate") if _has_fixes(scenario, plant) else 0.0,
         lever_arm=vector("gnss.lever_arm"),
+        log=log if log.rate > 0 else None,
     )
+
+
+def _has_fixes(scenario: Scenario, plant: Fmu) -> bool:
+    """Whether there is a fix, or an outage from beginning to end."""
+    begin, end = (parameter(scenario, plant, f"gnss.outage.{edge}[1]") for edge in ("begin", "end"))
+    return not begin <= 0 < scenario.duration < end
 
 
 def _measures_position(scenario: Scenario, filter_fmu: Fmu) -> bool:
@@ -375,6 +392,8 @@ def left_out_of_the_bound(scenario: Scenario, plant: Fmu) -> list[str]:
             drawn, getattr(scenario.bound, f"{sensor}_bias_sigma"), rel_tol=1e-3
         ):
             in_effect.add(f"imu.{sensor}.bias_sigma")
+    if not _has_fixes(scenario, plant):
+        in_effect = {name for name in in_effect if not name.startswith("gnss.")}
     return [name for name in plant.arrays if name in in_effect]
 
 
@@ -391,18 +410,6 @@ def start_plant(scenario: Scenario, fmus: Fmus, stack: ExitStack) -> Instance:
     return plant
 
 
-def _times(duration: float, step: float) -> Array:
-    return step * np.arange(_whole(duration, step, "duration") + 1, dtype=np.float64)
-
-
-def _whole(span: float, step: float, name: str) -> int:
-    """How many steps a span has, which must be a whole number."""
-    steps = round(span / step)
-    if steps < 1 or abs(span - steps * step) > 1e-9 * max(span, step):
-        raise InputError(f"{name} = {span:g} s: must be a whole multiple of the step of {step:g} s")
-    return steps
-
-
 def _trajectory(time: Array, truth: Mapping[str, Array]) -> Trajectory:
     """True motion; a Jacobi master has the samples of the start twice, of which one counts."""
     new = np.concatenate(([True], np.diff(time) > 0))
@@ -416,6 +423,14 @@ def _trajectory(time: Array, truth: Mapping[str, Array]) -> Trajectory:
     )
 
 
+def _measured(known: Knowledge) -> str:
+    """What the measurements of a bound are of, in words."""
+    if known.gnss_rate == 0:
+        return "velocity in body axes"
+    velocity = "velocity" if known.log is None else "velocity, in body axes too,"
+    return velocity.rstrip(",") if known.gnss_position_sigma is None else f"{velocity} and position"
+
+
 def _with_bound(data: xr.Dataset, trajectory: Trajectory, scenario: Scenario, fmus: Fmus) -> xr.Dataset:
     """Data set with the bound along a trajectory, and with what the bound does not know."""
     known = knowledge(scenario, fmus.plant, fmus[scenario.filter_fmu])
@@ -423,7 +438,7 @@ def _with_bound(data: xr.Dataset, trajectory: Trajectory, scenario: Scenario, fm
     attributes = {
         "bound.heading_rms": bound.heading_rms(scenario.evaluation.start, scenario.evaluation.stop),
         "bound.steady_course_limit": known.steady_course_limit(float(trajectory.latitude[0])),
-        "bound.measured": "velocity" if known.gnss_position_sigma is None else "velocity and position",
+        "bound.measured": _measured(known),
         "bound.leaves_out": ", ".join(left_out_of_the_bound(scenario, fmus.plant)),
     }
     data = data.assign_coords(bound_time=("bound_time", bound.time, {"units": "s"}))
@@ -465,7 +480,10 @@ def attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ())
         "settings": json.dumps(settings),
         "filters": json.dumps({k: _readable(v, filter_fmu) for k, v in scenario.filters().items()}),
         "versions": json.dumps(
-            {"truenorth": _version(), **{name: fmus[name].guid for name in scenario.fmu_names()}}
+            {
+                "truenorth": product_version() or "not installed (checkout)",
+                **{name: fmus[name].guid for name in scenario.fmu_names()},
+            }
         ),
         "messages": json.dumps([str(message) for message in messages]),
     }
@@ -476,13 +494,6 @@ def _horizontal_limit(scenario: Scenario, plant: Fmu) -> float:
     if scenario.evaluation.horizontal_limit is not None:
         return scenario.evaluation.horizontal_limit
     return math.hypot(*(float(parameter(scenario, plant, f"gnss.position_sigma[{i}]")) for i in (1, 2)))
-
-
-def _version() -> str:
-    try:
-        return version("truenorth")
-    except PackageNotFoundError:
-        return "not installed (checkout)"
 
 
 def _readable(values: Mapping[str, Number], fmu: Fmu) -> dict[str, str]:

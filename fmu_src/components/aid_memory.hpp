@@ -44,11 +44,11 @@ struct AidMemory {
         return admitted;
     }
 
-    // So many in a row were beyond what the covariance explains, the last of them within the window; and so
-    // many were refused.
-    [[nodiscard]] int contradictions(double now) const {
-        return now - heard > window.length ? 0 : contradictions_;
-    }
+    // What is not heard any more contradicts nothing.
+    [[nodiscard]] bool heard_of_late(double now) const { return now - heard <= window.length; }
+
+    // So many in a row were beyond what the covariance explains; and so many were refused.
+    [[nodiscard]] int contradictions() const { return contradictions_; }
     [[nodiscard]] bool out_of_patience(int patience) const { return patience > 0 && refused_ >= patience; }
 
     // Patience begins anew.

@@ -19,6 +19,7 @@ struct AidDoubt {
     Uncertainty prediction;
     int own;
     int own_count;
+    bool binds_velocity;  // the sensor bears the navigation where there are no fixes
 };
 
 template <class Aid, int K>
@@ -26,7 +27,8 @@ AidDoubt doubt_of(const Vector<K>& residual) {
     return {.name = Aid::kName,
             .prediction = Aid::doubt(residual),
             .own = Aid::kOwn,
-            .own_count = Aid::kOwnCount};
+            .own_count = Aid::kOwnCount,
+            .binds_velocity = Aid::kBindsVelocity};
 }
 
 // Each names itself, says whether it binds the velocity so that the estimate does not coast, reads its port,

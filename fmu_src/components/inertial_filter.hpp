@@ -135,7 +135,9 @@ class InertialFilter {
     void fault(const char* reason);
     [[nodiscard]] bool alone() const;
     template <class E>
-    void start_again_level(E& engine);
+    void start_again_level(E& engine, double angle);
+    template <class E>
+    void doubt_sensors(E& engine);
     template <class E>
     void go_astray(E& engine);
     void publish_health();

@@ -226,6 +226,8 @@ void InertialFilter<Interface, Engines...>::note_use(const GnssFix::Mask& measur
     if (measured(0) || measured(1) || measured(3) || measured(4)) {  // a height alone binds nothing
         status_.use_fix(clock_);
         gnss_used_ = clock_;
+        astray_ = 0.0;
+        astray_at_ = clock_;
     }
     forgetting_ += imu_.time() - last_fix_;
     last_fix_ = imu_.time();
@@ -335,6 +337,9 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
     }
     more.sensors = !again && rung >= Recovery::kSensors ? 1.0 : 0.0;
     engine.add_uncertainty(more);
+    if (again || rung >= Recovery::kAttitude) {
+        doubt_sensors(engine);
+    }
     if (rung >= Recovery::kSensors) {
         open_ledger(engine);
     }

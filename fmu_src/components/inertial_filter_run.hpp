@@ -1,6 +1,8 @@
 // The run loop of inertial_filter.hpp.
 #pragma once
 
+#include <type_traits>
+
 #include "components/filter_outputs.hpp"
 #include "components/filter_settings.hpp"
 #include "components/inertial_filter.hpp"
@@ -95,6 +97,8 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     last_fix_ = imu_.time();
     gnss_used_ = clock_;
     gnss_heard_ = clock_;
+    astray_ = 0.0;
+    astray_at_ = clock_;
     for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
         memory->start(clock_);
     }
@@ -408,14 +412,17 @@ Contradiction InertialFilter<Interface, Engines...>::contradiction() const {
     if (!(nis_window_.deviate(imu_.time()) <= limit)) {  // nor is what is no number
         return Contradiction::innovations;
     }
-    for (const AidMemory* aid : {&body_velocity_, &heading_aid_, &height_aid_}) {
-        if (aid->contradictions(clock_) >= kContradictions || !(aid->window.deviate(imu_.time()) <= limit) ||
-            !(aid->mean.deviate() <= limit)) {
-            return Contradiction::aids;
-        }
-    }
-    if (!(std::visit([](const auto& engine) { return engine.estimator.appended.deviate(); }, engine_) <=
-          limit)) {
+    const Appended& sensors =
+        std::visit([](const auto& engine) -> const Appended& { return engine.estimator.appended; }, engine_);
+    const auto contradicts = [&]<class Aid>(const AidMemory& memory, std::type_identity<Aid>) {
+        return memory.heard_of_late(clock_) &&
+               (memory.contradictions() >= kContradictions ||
+                !(memory.window.deviate(imu_.time()) <= limit) || !(memory.mean.deviate() <= limit) ||
+                !(sensors.deviate(Aid::kOwn, Aid::kOwnCount) <= limit));
+    };
+    if (contradicts(body_velocity_, std::type_identity<BodyVelocityAid>{}) ||
+        contradicts(heading_aid_, std::type_identity<HeadingAid>{}) ||
+        contradicts(height_aid_, std::type_identity<HeightAid>{})) {
         return Contradiction::aids;
     }
     const bool explained = ledger_.deviate(imu_.time() - opened_, gyros()) <= limit;

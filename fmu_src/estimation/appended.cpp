@@ -15,9 +15,9 @@ void Appended::forget(int first, int count) {
     cross_.middleCols(first, count).setZero();
 }
 
-double Appended::deviate() const {
+double Appended::deviate(int first, int count) const {
     double largest = 0.0;
-    for (int i = 0; i < kCount; ++i) {
+    for (int i = first; i < first + count; ++i) {
         if (prior_sigma(i) > 0.0) {
             largest = std::max(largest, std::abs(mean_(i)) / prior_sigma(i));
         }
@@ -31,7 +31,17 @@ void Appended::regress(const Rows& prior, const Rows& posterior,
         Eigen::Matrix<double, Eigen::Dynamic, kCount, Eigen::ColMajor, kMostStates, kCount>;  // G^T
     const Eigen::Index n = prior.rows();
     const Eigen::LDLT<BoundedMatrix> P{BoundedMatrix(prior)};
-    const Regression G = P.solve(Regression(cross_.topRows(n)));
+    Regression G = P.solve(Regression(cross_.topRows(n)));
+    // Sigma points may carry the covariance otherwise than the Jacobian carried the cross covariance: the
+    // states can tell no more of a constant than all of it.
+    for (int i = 0; i < kCount; ++i) {
+        const double told = G.col(i).dot(cross_.col(i).head(n));
+        if (told > covariance_(i, i)) {
+            const double less = std::sqrt(covariance_(i, i) / told);
+            G.col(i) *= less;
+            cross_.col(i) *= less;
+        }
+    }
     const Regression changed = BoundedMatrix(posterior - prior).lazyProduct(G);
     mean_ += G.transpose().lazyProduct(deviation);
     covariance_ += G.transpose().lazyProduct(changed);

@@ -51,8 +51,12 @@ class Appended {
         return cross_.topRows<N>();
     }
 
-    // Of the constant that is farthest from its prior, by how many sigmas of that it has moved.
-    [[nodiscard]] double deviate() const;
+    // Of these constants the one that is farthest from its prior: by how many sigmas of that it has moved.
+    [[nodiscard]] double deviate(int first, int count) const;
+
+    [[nodiscard]] bool finite() const {
+        return mean_.allFinite() && covariance_.allFinite() && cross_.allFinite();
+    }
 
     // Whether the states know of them.
     [[nodiscard]] bool related() const { return related_; }

@@ -16,11 +16,12 @@ class InnovationMean {
   public:
     void restart() { *this = {}; }
 
-    // Of K channels at most; what was not measured adds nothing.
+    // Of K channels at most, at `time` [s]; what was not measured adds nothing.
     template <int N, int M>
         requires(M <= K)
-    void add(const Innovation<N, M>& innovation) {
-        constexpr double keep = 1.0 - 1.0 / kMemory;
+    void add(double time, const Innovation<N, M>& innovation) {
+        const double keep = 1.0 - std::min(std::max(time - time_, 0.0) / kMemory, 1.0 / kFewest);
+        time_ = time;
         const Vector<M> variance = (innovation.spread + innovation.noise).diagonal();
         for (int i = 0; i < M; ++i) {
             if (innovation.present(i)) {
@@ -43,15 +44,17 @@ class InnovationMean {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(sum_, variance_);
+        archive(sum_, variance_, time_);
     }
 
   private:
-    static constexpr double kMemory = 300.0;  // measurements
-    static constexpr double kEnough = 10.0;   // likewise
+    static constexpr double kMemory = 300.0;  // [s]
+    static constexpr double kFewest = 50.0;   // measurements that are remembered however seldom they come
+    static constexpr double kEnough = 10.0;   // from which on the mean is asked for
 
     Vector<K> sum_ = Vector<K>::Zero();
     Vector<K> variance_ = Vector<K>::Zero();
+    double time_ = 0.0;
 };
 
 }  // namespace truenorth

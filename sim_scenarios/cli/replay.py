@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from enum import Enum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+import xarray as xr
 
-from sim_scenarios import recorded_imu, report
-from sim_scenarios.cli.options import AsJson, Output, Settings, settings
+from sim_scenarios import report
+from sim_scenarios.cli.options import AsJson, Output, Settings, SettingsFile, settings
 from sim_scenarios.cli.results import Results
 from sim_scenarios.cli.terminal import (
     print_json,
@@ -22,33 +24,89 @@ from sim_scenarios.cli.terminal import (
 from sim_scenarios.errors import InputError
 from sim_scenarios.metrics.verdict import status_at_end
 from sim_scenarios.names import file_name
+from sim_scenarios.recordings import comparison, outages
+from sim_scenarios.recordings.exports import Format, export
+from sim_scenarios.recordings.outages import Outages
+from sim_scenarios.recordings.replay import SETTLING, Filter, replay
+from sim_scenarios.recordings.start import Start
+from sim_scenarios.recordings.zero_velocity import ZeroVelocity
 from sim_scenarios.units import DEGREE
+
+
+class Where(str, Enum):
+    """Where in a recording the filter starts."""
+
+    first = "first"
+    course = "course"
 
 
 def replay_recording(
     file: Annotated[
-        Path, typer.Argument(help="CSV file of the recording (.csv or .csv.gz).", show_default=False)
+        Path,
+        typer.Argument(
+            help="The recording: its description (recording.toml), or one file that has it all.",
+            show_default=False,
+        ),
     ],
+    filter_: Annotated[
+        Filter, typer.Option("--filter", help="What the recording goes through.")
+    ] = Filter.alignment,
     heading: Annotated[
-        float, typer.Option(help="Heading to start from [deg], clockwise from north.", show_default=False)
-    ],
-    heading_sigma: Annotated[float, typer.Option(help="Sigma of that heading [deg].")] = 10.0,
+        float | None,
+        typer.Option(
+            help="Heading to start from [deg], clockwise from north; needed where the error model needs one.",
+            show_default=False,
+        ),
+    ] = None,
+    heading_sigma: Annotated[
+        float | None, typer.Option(help="Sigma of that heading [deg].", show_default="10")
+    ] = None,
+    start: Annotated[
+        Where,
+        typer.Option(
+            help="Start at the first sample, or at the first fix that is fast, on its course over ground."
+        ),
+    ] = Where.first,
+    course_speed: Annotated[
+        float, typer.Option(help="Speed from which the course is taken for the heading [m/s].")
+    ] = 3.0,
+    levelling: Annotated[
+        float,
+        typer.Option(
+            help="Seconds before the start, or the first ones, whose mean force gives roll and pitch."
+        ),
+    ] = 1.0,
     zero_velocity: Annotated[
         bool, typer.Option("--zero-velocity", help="The vehicle stands still: aid with fixes of velocity 0.")
     ] = False,
     position: Annotated[
         str,
         typer.Option(
-            help="Where it stands: latitude [deg], longitude [deg], height [m].",
+            help="Where it stands or starts: latitude [deg], longitude [deg], height [m].",
             metavar="LAT,LON,HEIGHT",
             show_default=False,
         ),
     ] = "",
     sigma: Annotated[float, typer.Option(help="Sigma of the zero velocity [m/s].")] = 0.02,
     rate: Annotated[float, typer.Option(help="Rate of the zero-velocity fixes [Hz].")] = 1.0,
-    levelling: Annotated[
-        float, typer.Option(help="Seconds at the start whose mean specific force gives roll and pitch.")
-    ] = 1.0,
+    outages_: Annotated[
+        float | None,
+        typer.Option("--outages", help="Withhold the fixes for so long [s], at the end of every period."),
+    ] = None,
+    every: Annotated[float, typer.Option(help="That period [s].")] = 180.0,
+    reference: Annotated[
+        Path | None,
+        typer.Option(help="File with a reference, in the place of the recording's own.", show_default=False),
+    ] = None,
+    evaluate_after: Annotated[
+        float, typer.Option(help="Seconds after the start from which on the result is judged.")
+    ] = SETTLING,
+    export_: Annotated[
+        list[Format] | None,
+        typer.Option(
+            "--export", help="Write the navigation in this format too. Repeatable.", show_default=False
+        ),
+    ] = None,
     output: Output = None,
     seed: Annotated[  # noqa: ARG001
         int | None,
@@ -58,15 +116,18 @@ def replay_recording(
         ),
     ] = None,
     set_: Settings = None,
+    set_from: SettingsFile = None,
     as_json: AsJson = False,
 ) -> None:
-    r"""Align on a recorded IMU.
+    r"""Align on a recording, navigate, or navigate after an alignment.
 
-    The file has a header and the columns *time* [s, end of the interval], *delta_angle_x, _y, _z* [rad] and
-    *delta_velocity_x, _y, _z* [m/s] (right, forward, up; increments over the interval, not rates). GNSS comes
-    from the columns *gnss_velocity_east, _north, _up* [m/s], *gnss_latitude, gnss_longitude* [deg],
-    *gnss_height* [m] and, if present, *gnss_time* [s], which are empty in rows without a fix; or from
-    `--zero-velocity` at a `--position`.
+    The file describes a recording (*recording.toml*; `truenorth import` drafts one), or is one: in a format
+    that is known by itself, or a CSV file with a header and the columns *time* [s, end of the interval],
+    *delta_angle_x, _y, _z* [rad] and *delta_velocity_x, _y, _z* [m/s] (right, forward, up; increments over
+    the interval, not rates). GNSS comes from the columns *gnss_velocity_east, _north, _up* [m/s],
+    *gnss_latitude, gnss_longitude* [deg], *gnss_height* [m] and, if present, *gnss_time* [s], which are empty
+    in rows without a fix; or from `--zero-velocity` at a `--position`. Where the recording has a reference,
+    errors are those against it.
 
     For example:
 
@@ -76,29 +137,66 @@ def replay_recording(
             --set prior.gyro_bias_sigma="0.02 deg/h" \
             --set prior.accelerometer_bias_sigma="0.1 mg" \
             --set process.angle_random_walk="0.001 deg/h^0.5"
+        truenorth replay recording.toml --filter navigation --start course --outages 60 --every 180
+        truenorth replay recording.toml --filter align_then_navigate --export kml
 
     Exit code 0 when the filter reports convergence at the end.
     """
     with refusing_bad_input():
         results = Results(output)
-        start = recorded_imu.Start(heading * DEGREE, heading_sigma * DEGREE, levelling)
-        aiding = recorded_imu.ZeroVelocity(_position(position), sigma, rate) if zero_velocity else None
+        begin = Start(
+            None if heading is None else heading * DEGREE,
+            None if heading_sigma is None else heading_sigma * DEGREE,
+            levelling,
+            _position(position) if position or zero_velocity else None,
+            course_speed if start is Where.course else None,
+        )
+        aiding = ZeroVelocity(begin.position, sigma, rate) if zero_velocity and begin.position else None
         with progress(file.name) as advance:
-            run = recorded_imu.replay(file, start, zero_velocity=aiding, set=settings(set_), progress=advance)
-        files = results.write(run, report.report_replay, file_name(f"replay-{file.name.split('.')[0]}"))
+            run = replay(
+                file,
+                begin,
+                filter=filter_,
+                zero_velocity=aiding,
+                outages=None if outages_ is None else Outages(outages_, every),
+                reference=reference,
+                evaluate_after=evaluate_after,
+                set=settings(set_, set_from),
+                progress=advance,
+            )
+
+        def written(data: xr.Dataset, folder: Path) -> Path:
+            for form in export_ or []:
+                export(data, folder / f"track.{form.value}")
+            return report.report_replay(data, folder)
+
+        files = results.write(run, written, file_name(f"replay-{file.name.split('.')[0]}"))
     converged = report.replay_converged(run)
     headings = report.heading_table(run)
+    ends = outages.ends(run)
     if as_json:
         keys = ("time_s", "heading_deg", "sigma_deg")
         rows = [dict(zip(keys, map(float, row), strict=False)) for row in headings[1:]]
         about = {"recording": str(file), "converged": converged, "status": status_at_end(run)}
-        print_json({**about, "headings": rows, **files})
+        print_json({**about, "headings": rows, **_figures(run), **files})
     else:
         say_messages(run)
         print_table(headings)
+        if ends:
+            print_table(outages.table(ends))
         print_verdict(report.replay_sentence(run), converged)
-        print_pairs({**report.heading_at_end(run), "Report": files["report"]})
+        print_pairs({**report.heading_at_end(run), **report.replay_figures(run), "Report": files["report"]})
     raise typer.Exit(0 if converged else 1)
+
+
+def _figures(run: xr.Dataset) -> dict[str, Any]:
+    """What the result was worth, for machines."""
+    referred, ends = comparison.against_reference(run), outages.ends(run)
+    return {
+        "against_fixes": comparison.against_fixes(run).figures(),
+        **({} if referred is None else {"against_reference": referred.figures()}),
+        **({"outages": outages.figures(ends)} if ends else {}),
+    }
 
 
 def _position(text: str) -> tuple[float, float, float]:

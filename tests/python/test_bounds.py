@@ -8,7 +8,7 @@ from pyins.error_model import InsErrorModel
 from scipy.linalg import block_diag
 
 from sim_scenarios.attitude import misalignment, wrap
-from sim_scenarios.bounds import POSITION, Knowledge, Trajectory, _observation, cramer_rao
+from sim_scenarios.bounds import POSITION, Knowledge, Log, Trajectory, _observation, cramer_rao
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.simulation import bound
@@ -76,10 +76,29 @@ def test_the_bound_of_a_scenario_knows_its_lever_arm_and_says_what_it_leaves_out
 
 
 def test_the_bound_says_when_the_biases_are_drawn_otherwise_than_it_assumes(fmus) -> None:
-    sensors = {"imu.gyro.bias_sigma": "0.02 deg/h"}
-    assert bound("swaying_ship", fmus=fmus, set=sensors).attrs["bound.leaves_out"] == "imu.gyro.bias_sigma"
-    told = bound("swaying_ship", fmus=fmus, set={**sensors, "bound.gyro_bias_sigma": "0.02 deg/h"})
-    assert told.attrs["bound.leaves_out"] == ""
+    said = {"imu.gyro.bias_sigma": "0.02 deg/h", "bound.gyro_bias_sigma": "0.05 deg/h"}
+    assert bound("swaying_ship", fmus=fmus, set=said).attrs["bound.leaves_out"] == "imu.gyro.bias_sigma"
+
+
+@pytest.mark.parametrize("name", ["imu.gyro.bias_sigma", "plant.imu.gyro.bias_sigma"])
+def test_the_bound_follows_the_biases_that_are_drawn(fmus: Fmus, name: str) -> None:
+    followed = bound("swaying_ship", fmus=fmus, set={name: "0.005 deg/h"})
+    told = bound(
+        "swaying_ship",
+        fmus=fmus,
+        set={"imu.gyro.bias_sigma": "0.005 deg/h", "bound.gyro_bias_sigma": "0.005 deg/h"},
+    )
+    assert followed.attrs["bound.leaves_out"] == ""
+    assert followed.attrs["bound.heading_rms"] == told.attrs["bound.heading_rms"]
+    assert (
+        followed.attrs["bound.heading_rms"]
+        < 0.5 * bound("swaying_ship", fmus=fmus).attrs["bound.heading_rms"]
+    )
+
+
+def test_biases_that_are_not_drawn_leave_the_bound_as_it_is(fmus: Fmus) -> None:
+    none, some = (bound("swaying_ship", fmus=fmus, set=s) for s in ({"imu.gyro.bias_sigma": 0.0}, {}))
+    assert none.attrs["bound.heading_rms"] == some.attrs["bound.heading_rms"]
 
 
 @pytest.mark.parametrize("motion", ["steady", "waves", "zigzag 20"])
@@ -224,6 +243,29 @@ def test_without_motion_the_east_gyro_bias_limits_the_heading() -> None:
     )
     limit = nearly_perfect.gyro_bias_sigma / (7.292115e-5 * np.cos(32 * DEGREE))
     assert cramer_rao(trajectory, nearly_perfect).heading_sigma[-1] == pytest.approx(limit, rel=0.01)
+
+
+def test_a_log_of_known_axes_is_a_receiver_of_velocities() -> None:
+    trajectory = trajectories.ship(TIME[:301])
+    known = {"tilt_sigma": 1e-9, "heading_sigma": 1e-9, "gyro_bias_sigma": 1e-15, "angle_random_walk": 0.0}
+    receiver = cramer_rao(trajectory, Knowledge(**known))
+    log = cramer_rao(trajectory, Knowledge(**known, gnss_rate=0.0, log=Log((0.1, 0.1, 0.1), 1.0)))
+    np.testing.assert_allclose(log.sigma[:, 3:12], receiver.sigma[:, 3:12], rtol=1e-5)
+
+
+def test_a_log_that_is_off_by_a_scale_tells_speed_no_better_than_that() -> None:
+    trajectory = trajectories.ship(TIME[:301])
+    off, right = (
+        cramer_rao(
+            trajectory,
+            Knowledge(velocity_sigma=10.0, gnss_rate=0.0, log=Log((0.01, 0.01, 0.01), 1.0, scale)),
+        )
+        for scale in (0.02, 0.0)
+    )
+    speed = 10.0  # northwards
+    assert off.sigma[-1, 4] == pytest.approx(0.02 * speed, rel=0.05)
+    assert right.sigma[-1, 4] < 0.1 * off.sigma[-1, 4]
+    assert off.sigma[-1, -1] == pytest.approx(0.02, rel=0.05)  # without fixes nothing tells it
 
 
 def test_starts_from_the_prior() -> None:

@@ -98,6 +98,13 @@ TEST(Observation, MakesAnInnovationOfWhatIsMeasured) {
     Appended sensors;
     sensors.prior_sigma << 0.01, 0.1, 0.2, 0.3, 0.0, 0.0;
     sensors.start();
+    sensors = sensors.after(Innovation<4, 2>{.residual = Vector<2>::Zero(),
+                                             .spread = Matrix<2>::Identity(),
+                                             .noise = Matrix<2>::Identity(),
+                                             .cross = Matrix<4, 2>::Random()},
+                            Matrix<kSensorErrors, 2>(1e-3 * Matrix<kSensorErrors, 2>::Random()));
+    const Matrix<4, kSensorErrors> C = sensors.cross<4>();
+    ASSERT_FALSE(C.isZero(0.0));
     const auto [innovation, own] = sight_of(observation, sigma, errors, P, sensors);
     EXPECT_EQ(innovation.channels(), 2);
     const Matrix<3, 4> H = observation.sensitivity * errors;
@@ -106,10 +113,11 @@ TEST(Observation, MakesAnInnovationOfWhatIsMeasured) {
     for (int i = 1; i < 3; ++i) {
         EXPECT_EQ(innovation.residual(i), observation.difference(i));
         EXPECT_NEAR(innovation.noise(i, i), sigma(i) * sigma(i), 1e-15);
-        EXPECT_LT((innovation.cross.col(i) - P * H.row(i).transpose()).norm(), 1e-9);
-        EXPECT_NEAR(innovation.spread(i, i),
-                    H.row(i).dot(P * H.row(i).transpose()) + L.row(i).dot(S * L.row(i).transpose()), 1e-6);
-        EXPECT_LT((own.col(i) - S * L.row(i).transpose()).norm(), 1e-12);
+        const Vector<4> h = H.row(i).transpose();
+        const Vector<kSensorErrors> l = L.row(i).transpose();
+        EXPECT_LT((innovation.cross.col(i) - P * h - C * l).norm(), 1e-9);
+        EXPECT_NEAR(innovation.spread(i, i), h.dot(P * h) + l.dot(S * l) + 2.0 * h.dot(C * l), 1e-6);
+        EXPECT_LT((own.col(i) - C.transpose() * h - S * l).norm(), 1e-9);
     }
     EXPECT_TRUE(own.col(0).isZero(0.0));
     EXPECT_TRUE(innovation.cross.col(0).isZero(0.0));

@@ -20,7 +20,7 @@ class MeanOfInnovations : public testing::TestWithParam<unsigned> {
                 .noise = Matrix<3>::Identity(),
                 .cross = Matrix<4, 3>::Zero()};
             innovation.remove(2);
-            mean.add(innovation);
+            mean.add(n, innovation);
             found = std::max(found, mean.deviate());
         }
         return found;

@@ -79,6 +79,10 @@ TEST_P(Allocation, NoneInSteps) {
     filter.set("predictor", GetParam().predictor);
     filter.set("corrector", GetParam().corrector);
     filter.set("robust.scaling", GetParam().scaling);
+    for (const char* aid : {"body_velocity", "heading_aid", "height_aid"}) {
+        plant.set(std::string(aid) + ".rate", 1.0);
+    }
+    filter.set("body_velocity.scale_sigma", 0.01);
     plant.start();
     for (const char* angle : {"roll", "pitch", "heading", "latitude", "longitude"}) {
         const double truth = plant.get(std::string("truth.") + angle);

@@ -13,8 +13,8 @@ import pytest
 import xarray as xr
 from wire import STATUS, Fault, Wire, run
 
-from sim_scenarios.cosimulation import Order
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.stepping import Order
 
 BEGIN = 400.0
 MODELS = {

@@ -11,10 +11,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import simulation
-from sim_scenarios.cosimulation import FmuSource, Order, RecordedSource, Sink
+from sim_scenarios.cosimulation import FmuSource, RecordedSource, Sink
 from sim_scenarios.fmus import Fmu, Fmus, Number
 from sim_scenarios.instance import Instance, Message, Signals
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.stepping import Order
 
 Array = NDArray[np.float64]
 AXES = ("[1]", "[2]", "[3]")

@@ -17,9 +17,16 @@ from typer.testing import CliRunner, Result
 
 from sim_scenarios.cli.application import app
 from sim_scenarios.errors import InputError
-from sim_scenarios.recorded_imu import COLUMNS, read_recording, signals_of_imu
+from sim_scenarios.recordings import load
+from sim_scenarios.recordings.feed import feed
 
 ROWS = 300
+COLUMNS = [
+    "time",
+    *(f"delta_{kind}_{axis}" for kind in ("angle", "velocity") for axis in "xyz"),
+    *(f"gnss_velocity_{axis}" for axis in ("east", "north", "up")),
+    *("gnss_latitude", "gnss_longitude", "gnss_height", "gnss_time"),
+]
 Spoilt = Callable[[bytes], bytes]
 
 
@@ -61,8 +68,6 @@ SPOILT: dict[str, Spoilt] = {
     "UTF-16": lambda raw: raw.decode().encode("utf-16"),
     "NUL": lambda raw: raw.replace(b"0.0", b"\x00", 50),
     "a quote that never ends": lambda raw: raw.replace(b"0.0978", b'"', 1),
-    "semicolons": lambda raw: raw.replace(b",", b";"),
-    "decimal commas": lambda raw: raw.replace(b",", b";").replace(b".", b","),
     "zeros of a lost block": lambda raw: raw[:3000] + bytes(4096) + raw[7096:],
     "noise": lambda raw: random.Random(1).randbytes(len(raw)),
 }
@@ -96,11 +101,39 @@ def test_what_is_no_number_is_refused(table: pd.DataFrame, tmp_path: Path, colum
     spoilt = table.astype(object)
     spoilt.loc[100, column] = value
     spoilt.to_csv(tmp_path / "x.csv", index=False)
-    if value == "9" * 400 and column != "time":  # is infinite: the filter refuses the sample, and counts it
-        read_recording(tmp_path / "x.csv")
+    if value == "9" * 400 and column not in ("time", "gnss_time", "gnss_latitude"):
+        load(tmp_path / "x.csv")  # is infinite: the filter refuses the sample or the fix, and counts it
         return
+    column = "latitudes" if value == "9" * 400 and column == "gnss_latitude" else column
     with pytest.raises(InputError, match=rf"x\.csv: .*{column}"):
-        read_recording(tmp_path / "x.csv")
+        load(tmp_path / "x.csv")
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        (
+            lambda t: t.drop(columns="delta_angle_y"),
+            "there is no column delta_angle_y; did you mean 'delta_angle_",
+        ),
+        (lambda t: t.iloc[:1], "has 1 samples"),
+        (lambda t: t[COLUMNS[:7]].assign(time=0.0), "has 1 samples"),
+        (
+            lambda t: t.assign(**{c: 100 * t[c] for c in COLUMNS if c.startswith("delta")}),
+            "seems to hold rates, not increments",
+        ),
+        (
+            lambda t: t.assign(delta_velocity_z=t.delta_velocity_z / 9.8),
+            r"\|delta_velocity\| / dt is (1|0\.99)",
+        ),
+    ],
+)
+def test_what_the_plain_form_cannot_be_is_refused(
+    table: pd.DataFrame, tmp_path: Path, edit: Callable[[pd.DataFrame], pd.DataFrame], message: str
+) -> None:
+    edit(table).to_csv(tmp_path / "x.csv", index=False)
+    with pytest.raises(InputError, match=message):
+        load(tmp_path / "x.csv")
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e308])
@@ -109,19 +142,12 @@ def test_a_time_that_is_none_is_refused(table: pd.DataFrame, tmp_path: Path, val
     spoilt.loc[100, "time"] = value
     spoilt.to_csv(tmp_path / "x.csv", index=False)
     with pytest.raises(InputError, match="time must"):
-        read_recording(tmp_path / "x.csv")
-
-
-def test_a_gap_that_no_counter_covers_is_refused(table: pd.DataFrame) -> None:
-    spoilt = table.copy()
-    spoilt.loc[ROWS - 1, "time"] = 1e9
-    with pytest.raises(InputError, match="at most 2147483647"):
-        signals_of_imu(spoilt)
+        load(tmp_path / "x.csv")
 
 
 def test_a_byte_order_mark_is_passed_over(table: pd.DataFrame, tmp_path: Path) -> None:
     table.to_csv(tmp_path / "x.csv", index=False, encoding="utf-8-sig")
-    assert list(read_recording(tmp_path / "x.csv").columns) == COLUMNS
+    assert len(load(tmp_path / "x.csv").imu.time) == ROWS
 
 
 STANDING = ["--zero-velocity", "--position", "0,0,0"]
@@ -167,5 +193,5 @@ def test_ten_thousand_damaged_files(table: pd.DataFrame, tmp_path: Path, ending:
         file.write_bytes(damaged)
         start = time.process_time()
         with contextlib.suppress(InputError):
-            signals_of_imu(read_recording(file))
+            feed(load(file))
         assert time.process_time() - start < 1, seed

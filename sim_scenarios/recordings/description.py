@@ -1,0 +1,188 @@
+"""Recordings from their descriptions or from single files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from sim_scenarios.errors import InputError
+from sim_scenarios.recordings import axes, checks, clocks, stamps
+from sim_scenarios.recordings.clocks import CLOCK_OF_READER, Clock
+from sim_scenarios.recordings.order import in_order
+from sim_scenarios.recordings.readers import delimited, formats, sheets
+from sim_scenarios.recordings.readers.contents import Axes, Contents, Inertial
+from sim_scenarios.recordings.sources import Description, ImuSource, Source, describe
+from sim_scenarios.recordings.tables import Array, ImuTable, LeverArms, Recording
+
+TABLES: Final[Mapping[str, tuple[str, Callable[..., Contents]]]] = {
+    "imu": ("imu", delimited.imu),
+    "gnss": ("gnss", delimited.gnss),
+    "body_velocity": ("body_velocity", delimited.body_velocity),
+    "heading": ("heading_aid", delimited.heading),
+    "height": ("height_aid", delimited.height),
+    "reference": ("reference", delimited.reference),
+}
+"""Tables of a description: what they are called in a recording, and what reads them of a text file."""
+
+_AXES_OF_READER: Final = {
+    None: axes.BODY,
+    Axes.RIGHT_FORWARD_UP: "right-forward-up",
+    Axes.FORWARD_RIGHT_DOWN: "forward-right-down",
+    Axes.FORWARD_LEFT_UP: "forward-left-up",
+}
+
+
+@dataclass(frozen=True)
+class _Read:
+    """A table that was read."""
+
+    name: str
+    path: Path
+    source: Source
+    contents: Contents
+
+    @property
+    def table(self) -> Any:
+        return getattr(self.contents, TABLES[self.name][0])
+
+    @property
+    def clock(self) -> Clock:
+        return self.source.clock or CLOCK_OF_READER[self.contents.clock]
+
+    def place(self, row: int) -> str:
+        return f"{self.path}: {self.contents.place(TABLES[self.name][0], row)}"
+
+
+def load(path: Path) -> Recording:
+    """Recording of a description (.toml), or of one file that has an IMU in it.
+
+    Parameters
+    ----------
+    path : Path
+        A description (`recordings.sources`); a CSV file in this product's plain form
+        (`recordings.readers.plain`); or any file that a reader recognises, as that reads it.
+
+    Returns
+    -------
+    Recording
+        In SI units, right, forward, up, all stamps increasing on one clock (`recordings.clocks`).
+
+    Raises
+    ------
+    InputError
+        If a file is not what it is said to be, in a sentence that names it, the line where there is one, and
+        the rule; or if what is read contradicts physics for certain (`recordings.checks`).
+    """
+    if path.suffix == ".toml":
+        return _described(path, describe(path))
+    contents = formats.read(path)
+    if contents.imu is None:
+        raise InputError(f"{path}: has no IMU; `truenorth import` drafts a description of several files")
+    read = [
+        _Read(name, path, Source(), contents)
+        for name, (entry, _) in TABLES.items()
+        if getattr(contents, entry) is not None
+    ]
+    to_body = axes.conversion(_AXES_OF_READER[contents.imu.axes])
+    return _assembled(path, path.name.split(".")[0], read, to_body, LeverArms())
+
+
+def _described(path: Path, said: Description) -> Recording:
+    read = _read(path, said)
+    lever_arms = LeverArms(
+        **{
+            name: table.lever_arm
+            for name in ("gnss", "body_velocity")
+            if (table := getattr(said, name)) is not None
+        }
+    )
+    try:
+        to_body = _to_body(said.imu, read[0].table)
+    except InputError as error:
+        raise InputError(f"{path}: imu: {error}") from None
+    return _assembled(path, said.name or path.stem, read, to_body, lever_arms)
+
+
+def _read(path: Path, said: Description) -> list[_Read]:
+    """Tables of a description, the IMU first; every file is read once."""
+    cells: dict[Path, sheets.Sheet] = {}
+    whole: dict[tuple[Path, str | None], Contents] = {}
+    read = []
+    for name, (entry, of_cells) in TABLES.items():
+        source = getattr(said, name)
+        if source is None:
+            continue
+        file = path.parent / (source.file or said.imu.file)
+        form = source.format or (None if source.file else said.imu.format)
+        if source.columns is None:
+            if (file, form) not in whole:
+                whole[file, form] = formats.read(file, form)
+            contents = whole[file, form]
+        elif form in (None, "csv"):
+            if file not in cells:
+                cells[file] = sheets.read(file)
+            contents = of_cells(cells[file], source.columns, source.units)
+        else:
+            raise InputError(f"{path}: {name}: columns are those of a text file, not of the format {form}")
+        if getattr(contents, entry) is None:
+            raise InputError(f"{path}: {name}: there is none in {file}")
+        read.append(_Read(name, file, source, contents))
+    return read
+
+
+def _to_body(said: ImuSource, imu: Inertial) -> Array:
+    if said.mounting is not None and said.axes is None:
+        raise InputError("mounting: say into which axes it leads, such as axes = 'forward-right-down'")
+    return axes.conversion(said.axes or _AXES_OF_READER[imu.axes], said.mounting)
+
+
+def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_arms: LeverArms) -> Recording:
+    in_time = [in_order(one.table, one.clock, one.source.stamps, one.place) for one in read]
+    times = clocks.on_one_clock(
+        [
+            clocks.Stamps(
+                f"{one.path}, {one.name}", one.clock, one.contents.epoch, table.time, one.source.offset
+            )
+            for one, (table, _) in zip(read, in_time, strict=True)
+        ]
+    )
+    tables = {
+        TABLES[one.name][0]: _with_sigmas(replace(table, time=time), one.source)
+        for one, (table, _), time in zip(read, in_time, times, strict=True)
+    }
+    remarks = [remark for one in read for remark in one.contents.remarks]
+    remarks += [remark for _, of_table in in_time for remark in of_table]
+    recording = Recording(
+        name=name,
+        imu=_increments(tables.pop("imu"), to_body, read[0].path),
+        lever_arms=lever_arms,
+        remarks=tuple(dict.fromkeys(remarks)),
+        **tables,
+    )
+    checks.refuse(recording, path)
+    return recording
+
+
+def _increments(imu: Inertial, to_body: Array, path: Path) -> ImuTable:
+    """Increments in right, forward, up; a rate holds over what its sample covers."""
+    if len(imu.time) < 2:
+        raise InputError(f"{path}: has {len(imu.time)} samples; an alignment needs many")
+    covers = np.ones(1) if imu.increments else stamps.intervals(imu.time)
+    with np.errstate(invalid="ignore"):  # what is not finite makes its sample not a number
+        return ImuTable(
+            imu.time, imu.angular * covers[:, None] @ to_body.T, imu.force * covers[:, None] @ to_body.T
+        )
+
+
+def _with_sigmas(table: Any, source: Source) -> Any:
+    """Table with the sigmas of its description, where there are any."""
+    given = {
+        name: np.broadcast_to(np.array(sigma), getattr(table, name).shape)
+        for name in ("position_sigma", "velocity_sigma", "sigma")
+        if (sigma := getattr(source, name, None)) is not None
+    }
+    return replace(table, **given)

@@ -1,0 +1,238 @@
+"""A first draft of a description, by looking at the files: every guess says why it was made."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from sim_scenarios.errors import InputError
+from sim_scenarios.recordings import ahead, clocks, forces, guessed_tables, guesses, stamps, turns
+from sim_scenarios.recordings.clocks import CLOCK_OF_READER, Clock, Stamps
+from sim_scenarios.recordings.description import TABLES
+from sim_scenarios.recordings.guesses import Guess
+from sim_scenarios.recordings.readers import formats, plain, sheets
+from sim_scenarios.recordings.readers.columns import likely
+from sim_scenarios.recordings.readers.contents import Contents
+from sim_scenarios.recordings.readers.sheets import Sheet
+from sim_scenarios.recordings.tables import ImuTable
+
+LEVER_ARM: Final = Guess([0.0, 0.0, 0.0], "fill in: from the IMU to it, right, forward, up [m]")
+_MOUNTING: Final = (
+    "# mounting = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+    "# fill in if the sensor is not mounted along the vehicle's axes: the matrix that takes its vectors\n"
+    '# into `axes`, which then are those of the vehicle, such as "forward-right-down"'
+)
+
+
+@dataclass
+class Part:
+    """A table of the description that is drafted."""
+
+    table: str
+    path: Path
+    contents: Contents
+    entries: dict[str, Guess] = field(default_factory=dict)
+
+    @property
+    def rows(self) -> Any:
+        """What was read."""
+        return getattr(self.contents, TABLES[self.table][0])
+
+    @property
+    def clock(self) -> Clock:
+        """Clock that was guessed, or that the reader knows."""
+        said = self.entries.get("clock")
+        return Clock(said.value) if said else CLOCK_OF_READER[self.contents.clock]
+
+    def stamps(self, clock: Clock | None = None) -> Stamps:
+        """Its stamps, on a clock that is tried."""
+        clock = clock or self.clock
+        time = clocks.unwrapped(self.rows.time, clock)
+        return Stamps(str(self.path), clock, self.contents.epoch, time)
+
+
+def draft(files: Sequence[Path], folder: Path) -> tuple[str, list[str]]:
+    """Description of files that were recorded together.
+
+    Parameters
+    ----------
+    files : sequence of Path
+        In any order; what each is for is found.
+    folder : Path
+        Where the description will stand.
+
+    Returns
+    -------
+    text : str
+        TOML.
+    guesses : list of str
+        A sentence on each.
+
+    Raises
+    ------
+    InputError
+        If no file has an IMU, or nothing is recognised in one.
+    """
+    parts: dict[str, Part] = {}
+    for path in files:
+        found = _parts(path)
+        if not found:
+            raise InputError(f"{path}: has neither an IMU nor an aid that can be recognised")
+        for part in found:
+            parts.setdefault(part.table, part)
+    if "imu" not in parts:
+        raise InputError(f"{', '.join(map(str, files))}: none has an IMU")
+    ordered = [parts[table] for table in TABLES if table in parts]
+    _guess_clocks(ordered)
+    _guess_axes(parts["imu"], parts.get("gnss"))
+    for table in ("gnss", "body_velocity"):
+        if table in parts:
+            parts[table].entries["lever_arm"] = LEVER_ARM
+    return _text(ordered, folder), [
+        f"{part.table}.{key} = {_toml(guess.value)}: {guess.why}"
+        for part in ordered
+        for key, guess in part.entries.items()
+    ]
+
+
+def _parts(path: Path) -> list[Part]:
+    """Tables that a file has."""
+    if formats.recognised(path) == "csv" and not plain.recognises(path):
+        return _of_cells(sheets.read(path))
+    form = formats.recognised(path)
+    contents = formats.read(path, form)
+    why = "our own columns" if form == "csv" else "by what is in the file"
+    return [
+        Part(table, path, contents, {"format": Guess(form, why)})
+        for table, (entry, _) in TABLES.items()
+        if getattr(contents, entry) is not None
+    ]
+
+
+def _of_cells(sheet: Sheet) -> list[Part]:
+    """Tables that the columns of a text file are likely to hold."""
+    names = sheet.habits.names
+    columns = likely(names) if sheet.habits.header else guessed_tables.unnamed(sheet)
+    if "time" not in columns:
+        raise InputError(f"{sheet.path}: no column of {', '.join(names[:20])} seems to be a time")
+    why = "by their names" if sheet.habits.header else "there is no header: by size and steadiness"
+    parts = []
+    for table, told in guessed_tables.tables(sheet, columns).items():
+        named = {f"columns.{key}": Guess(_single(value), why) for key, value in told.columns.items()}
+        units = {f"units.{key}": guess for key, guess in told.units.items()}
+        contents = TABLES[table][1](sheet, *told.models())
+        parts.append(Part(table, sheet.path, contents, {**named, **units}))
+    return parts
+
+
+def _single(names: tuple[str, ...]) -> object:
+    return names[0] if len(names) == 1 else list(names)
+
+
+def _guess_clocks(parts: list[Part]) -> None:
+    """Clocks of the tables whose files do not say them: by size, by name, so that spans and turns agree."""
+    for part in parts:
+        if part.clock is Clock.OWN and (guess := guesses.dated(part.path, part.stamps(), _time_name(part))):
+            part.entries["clock"] = guess
+    named = next((part for part in parts if part.clock.dated), None)
+    for part in parts:
+        if named is None or part.clock is not Clock.OWN:
+            continue
+        fitting = [clock for clock in _UNDATED if _together(named.stamps(), part.stamps(clock))]
+        if not fitting:
+            continue
+        why = f"with it the stamps overlap those of {named.path.name}"
+        if late := _late(parts[0], part, named, fitting):
+            fitting.sort(key=lambda clock: late.get(clock, math.inf))
+            why += f", and turns go with the course to {late[fitting[0]]:.1f} s"
+        elif "utc" in _time_name(part) and Clock.UTC_DAY in fitting:
+            fitting = [Clock.UTC_DAY]
+        elif len(fitting) > 1:
+            why += f"; check: so they would as {' or '.join(clock.value for clock in fitting[1:])}"
+        part.entries["clock"] = Guess(fitting[0].value, why)
+
+
+_UNDATED: Final = (Clock.GPS_DAY, Clock.UTC_DAY, Clock.GPS_WEEK)
+
+
+def _late(imu: Part, part: Part, named: Part, fitting: list[Clock]) -> dict[Clock, float]:
+    """How far turns of the IMU and of the course are apart on each clock [s], where it can be seen."""
+    if {imu.table, part.table, named.table} != {"imu", "gnss"}:
+        return {}
+    late = {}
+    for clock in fitting:
+        both = [
+            one.stamps(clock if one is part else None) for one in (imu, part if part is not imu else named)
+        ]
+        time, of_fixes = clocks.on_one_clock(both)
+        gnss = replace((named if part is imu else part).rows, time=of_fixes)
+        if (found := turns.compare(replace(_increments(imu), time=time), gnss)) is not None:
+            late[clock] = abs(found.lag)
+    return late
+
+
+def _time_name(part: Part) -> str:
+    named = part.entries.get("columns.time")
+    return str(named.value).casefold() if named else ""
+
+
+def _together(one: Stamps, other: Stamps) -> bool:
+    longest = other.clock.repeats
+    if other.time[0] + other.epoch < 0 or other.time[0] + other.epoch > longest:
+        return False
+    try:
+        clocks.on_one_clock([one, other])
+    except InputError:
+        return False
+    return True
+
+
+def _guess_axes(imu: Part, gnss: Part | None) -> None:
+    if imu.rows.axes is not None or plain.recognises(imu.path):
+        return
+    table, forward = _increments(imu), None
+    if gnss is not None and (gnss.clock is Clock.OWN) == (imu.clock is Clock.OWN):
+        time, of_fixes = clocks.on_one_clock([imu.stamps(), gnss.stamps()])
+        forward = ahead.find(replace(table, time=time), replace(gnss.rows, time=of_fixes))
+    imu.entries["axes"] = guesses.axes(forces.mean_direction(table), forward)
+
+
+def _increments(imu: Part) -> ImuTable:
+    """Increments in the sensor's own axes."""
+    covers = np.ones(1) if imu.rows.increments else stamps.intervals(imu.rows.time)
+    return ImuTable(imu.rows.time, imu.rows.angular * covers[:, None], imu.rows.force * covers[:, None])
+
+
+def _text(parts: list[Part], folder: Path) -> str:
+    files = ", ".join(dict.fromkeys(part.path.name for part in parts))
+    lines = [f"# Drafted by `truenorth import` from {files}. Each guess says why; mend what is wrong.", ""]
+    imu = parts[0]
+    for part in parts:
+        lines.append(f"[{part.table}]")
+        if part is imu or part.path != imu.path:
+            lines.append(f"file = {_toml(_relative(part.path, folder))}")
+        for key, guess in part.entries.items():
+            lines += [f"# {guess.why}", f"{key} = {_toml(guess.value)}"]
+        if part is imu and "axes" in part.entries:
+            lines.append(_MOUNTING)
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _relative(path: Path, folder: Path) -> str:
+    whole = path.resolve()
+    return (
+        whole.relative_to(folder.resolve()) if whole.is_relative_to(folder.resolve()) else whole
+    ).as_posix()
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {_toml(inner)}' for key, inner in value.items())} }}"
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,145 @@
+"""What columns are likely to hold, by their names as loggers write them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Final
+
+_ANGULAR: Final = (
+    r"gyro?(scope)?|gyros|g|w|omega|ang(ular)?_?(vel(ocity)?|rate)|rate|rot(ation)?_?rate|body_?rate|"
+    r"(delta|d)_?(angle|ang|theta|th|tht)"
+)
+_FORCE: Final = (
+    r"acc?(el|eleration|elerometer)?s?|a|f|specific_?force|sf|lin(ear)?_?acc(el|eleration)?|"
+    r"(delta|d)_?v(el|elocity)?"
+)
+_VELOCITY: Final = r"v(el|elocity)?|speed"
+_SIGMA: Final = r"s(d|td|igma|td_?dev)"
+_BEFORE: Final = r"(?:(?:imu|gnss|gps|ins|nav|sensor|raw|body|b|field)\d?_)*"
+_AFTER: Final = r"(?:_(?P<unit>\w+))?"
+_EAST_NORTH_UP: Final = (r"e(ast)?", r"n(orth)?", r"u(p)?")
+
+_UNITS: Final = {
+    "deg/s": ("dps", "degs", "deg_s", "degps", "deg_sec", "d_s"),
+    "rad/s": ("rps", "rads", "rad_s", "radps", "rad_sec", "r_s"),
+    "deg": ("deg", "degree", "degrees"),
+    "rad": ("rad", "radian", "radians"),
+    "m/s2": ("ms2", "m_s2", "mps2", "m_s_2", "m_s_s", "mss", "m_ss", "mpss"),
+    "mg": ("mg",),
+    "g": ("g",),
+    "m/s": ("ms", "m_s", "mps", "m_sec"),
+    "km/h": ("kmh", "km_h", "kph"),
+    "m": ("m",),
+    "ms": ("ms", "msec", "millis", "milliseconds"),
+    "us": ("us", "usec", "micros", "microseconds"),
+    "ns": ("ns", "nsec", "nanos", "nanoseconds"),
+    "s": ("s", "sec", "secs", "second", "seconds"),
+}
+"""Units by the ends of names."""
+
+
+def unit(name: str, among: Sequence[str]) -> str:
+    """Unit that a name ends with, of some; empty where there is none."""
+    word = plain(name)
+    endings = [
+        (ending, symbol)
+        for symbol in among
+        for ending in _UNITS.get(symbol, ())
+        if word.endswith(f"_{ending}")
+    ]
+    return max(endings, key=lambda found: len(found[0]))[1] if endings else ""
+
+
+def is_increment(name: str) -> bool:
+    """Whether a name is that of a delta angle or a delta velocity."""
+    return (
+        re.match(rf"{_BEFORE}(delta|d_?(v|th|tht|theta|ang|angle|vel|velocity)(_|$))", plain(name))
+        is not None
+    )
+
+
+def plain(name: str) -> str:
+    """A name in small letters, digits and underscores alone."""
+    spelt = re.sub(r"[°º]", "deg", name).replace("²", "2").replace("^", "")
+    spelt = re.sub(r"(?<=[a-z])(?=[XYZENUD](?![a-z]))", "_", spelt)
+    return re.sub(r"[^a-z0-9]+", "_", spelt.casefold()).strip("_")
+
+
+def likely(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    """Columns by what they are likely to hold.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of columns.
+
+    Returns
+    -------
+    dict
+        Of `time`, `angular`, `force`, `position`, `velocity`, `position_sigma`, `velocity_sigma`,
+        `attitude`, `heading`, `forward`, `height` those that were found: names of their columns, "" for what
+        is missing, a minus in front of what points the other way.
+    """
+    found = {
+        "time": _time(names),
+        "angular": _triple(names, _ANGULAR, ("x", "y", "z")),
+        "force": _triple(names, _FORCE, ("x", "y", "z")),
+        "position": _position(names),
+        "velocity": _east_north_up(names, _VELOCITY),
+        "position_sigma": _triple(names, _SIGMA, _EAST_NORTH_UP),
+        "velocity_sigma": _triple(names, rf"{_SIGMA}_?v|{_SIGMA}_?vel(ocity)?", _EAST_NORTH_UP),
+        "attitude": _each(names, r"roll", r"pitch", r"(heading|yaw|hdg|azimuth)"),
+        "heading": _each(names, r"(heading|hdg|heading_aid|yaw|azimuth)"),
+        "forward": _each(
+            names, r"(wheel|odo|odometer|dvl|log|v|vel|body)_?(velocity_?|speed_?|vel_?)?(forward|fwd|speed)"
+        ),
+        "height": _each(
+            names, r"(height_aid|baro(meter)?_?(alt(itude)?|height)|pressure_?(alt(itude)?|height))"
+        ),
+    }
+    return {what: columns for what, columns in found.items() if columns}
+
+
+def _time(names: Sequence[str]) -> tuple[str, ...]:
+    words = {name: plain(name) for name in names}
+    for pattern in (
+        r"time|t|timestamp|stamp",
+        r"(time|timestamp|stamp|t)_\w+|\w+_(time|timestamp|stamp)|tow|sow|sod|epoch|seconds|sec|utc|gpst|datetime",
+        r"\w*(time|stamp|tow)\w*",
+    ):
+        for name, word in words.items():
+            if re.fullmatch(pattern, word):
+                return (name,)
+    return ()
+
+
+def _triple(names: Sequence[str], stem: str, axes: Sequence[str]) -> tuple[str, ...]:
+    """Three columns of one stem, one for each axis, which stands behind the stem or in front of it."""
+    columns = []
+    for axis in axes:
+        behind = rf"{_BEFORE}(?:{stem})_?(?:{axis}){_AFTER}"
+        in_front = rf"{_BEFORE}(?:{axis})_?(?:{stem}){_AFTER}"
+        fitting = [n for n in names if re.fullmatch(behind, plain(n)) or re.fullmatch(in_front, plain(n))]
+        columns += fitting[:1]
+    return tuple(columns) if len(set(columns)) == len(axes) else ()
+
+
+def _each(names: Sequence[str], *patterns: str) -> tuple[str, ...]:
+    columns = []
+    for pattern in patterns:
+        columns += [n for n in names if re.fullmatch(rf"{_BEFORE}{pattern}{_AFTER}", plain(n))][:1]
+    return tuple(columns) if len(columns) == len(patterns) else ()
+
+
+def _position(names: Sequence[str]) -> tuple[str, ...]:
+    flat = _each(names, r"lat(itude)?", r"(lon|lng|long|longitude)")
+    height = _each(names, r"(alt|altitude|height|hgt|h|ellipsoidal_height|h_ell|up)")
+    return flat and (*flat, *(height or ("",)))
+
+
+def _east_north_up(names: Sequence[str], stem: str) -> tuple[str, ...]:
+    if up := _triple(names, stem, _EAST_NORTH_UP):
+        return up
+    down = _triple(names, stem, (*_EAST_NORTH_UP[:2], r"d(own)?"))
+    return down and (*down[:2], f"-{down[2]}")

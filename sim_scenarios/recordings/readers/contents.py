@@ -1,0 +1,73 @@
+"""What a reader finds in a file: tables in SI units, on the file's own clock and in the IMU's own axes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+from sim_scenarios.recordings.tables import (
+    Array,
+    BodyVelocityTable,
+    FixTable,
+    HeadingTable,
+    HeightTable,
+    ReferenceTable,
+)
+
+
+class Clock(Enum):
+    """From when the stamps of a file count."""
+
+    GPS = "gps"
+    """Seconds since 1980-01-06, without leap seconds."""
+    UNIX = "unix"
+    """Seconds since 1970-01-01, UTC."""
+    OWN = "own"
+    """Seconds since something that the file does not say, or of a day or week that it does not name."""
+
+
+class Axes(Enum):
+    """Which way the first, second and third axis point."""
+
+    RIGHT_FORWARD_UP = "right-forward-up"
+    FORWARD_RIGHT_DOWN = "forward-right-down"
+    FORWARD_LEFT_UP = "forward-left-up"
+
+
+@dataclass(frozen=True)
+class Inertial:
+    """IMU as it was recorded: increments over the interval that ends at the stamp, or rates."""
+
+    time: Array
+    """[s], shape (n,)"""
+    angular: Array
+    """Delta angle [rad] or body rate [rad/s], shape (n, 3)."""
+    force: Array
+    """Delta velocity [m/s] or specific force [m/s2], shape (n, 3)."""
+    increments: bool
+    axes: Axes | None = None
+    """Where the format fixes them."""
+
+
+def _row(table: str, row: int) -> str:
+    return f"row {row + 1} of its {table} table"
+
+
+@dataclass(frozen=True)
+class Contents:
+    """Tables of one file."""
+
+    clock: Clock = Clock.OWN
+    epoch: float = 0.0
+    """Stamps count from so many seconds after the clock's beginning: days or weeks, so that none rounds."""
+    imu: Inertial | None = None
+    gnss: FixTable | None = None
+    body_velocity: BodyVelocityTable | None = None
+    heading_aid: HeadingTable | None = None
+    height_aid: HeightTable | None = None
+    reference: ReferenceTable | None = None
+    place: Callable[[str, int], str] = _row
+    """Where a row of a table stands in the file, by the table's name (`imu`, `gnss` ...) and its index."""
+    remarks: tuple[str, ...] = ()
+    """Sentences on what was left out."""

@@ -1,0 +1,129 @@
+"""Which columns of a text file a table has, and in which units."""
+
+from __future__ import annotations
+
+from typing import Annotated, Final
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict
+
+Column = Annotated[str, BeforeValidator(lambda given: str(given) if isinstance(given, int) else given)]
+"""Name of a column, or its number from 1; "" stands for what the file does not have."""
+Three = tuple[Column, Column, Column]
+Stamps = Annotated[
+    tuple[Column, ...], BeforeValidator(lambda given: given if isinstance(given, (list, tuple)) else (given,))
+]
+NONE: Final = ("", "", "")
+
+
+def three(prefix: str, axes: str = "east north up") -> Three:
+    """Names with one beginning."""
+    first, second, third = (f"{prefix}_{axis}" for axis in axes.split())
+    return first, second, third
+
+
+class _Said(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ImuColumns(_Said):
+    """Columns of an IMU: rates or increments, as their units say."""
+
+    time: Stamps = ("time",)
+    angular: Three = three("delta_angle", "x y z")
+    force: Three = three("delta_velocity", "x y z")
+
+
+class ImuUnits(_Said):
+    """Their units; angles with velocities are increments, angular rates with specific forces are rates."""
+
+    time: str = "s"
+    angular: str = "rad"
+    force: str = "m/s"
+
+
+class GnssColumns(_Said):
+    """Columns of fixes: latitude, longitude, height; the rest in east, north, up."""
+
+    time: Stamps = ("time",)
+    position: Three = NONE
+    velocity: Three = NONE
+    position_sigma: Three = NONE
+    velocity_sigma: Three = NONE
+
+
+class GnssUnits(_Said):
+    """Their units; `position` is that of latitude and longitude."""
+
+    time: str = "s"
+    position: str = "deg"
+    height: str = "m"
+    velocity: str = "m/s"
+    position_sigma: str = "m"
+    velocity_sigma: str = "m/s"
+
+
+class BodyVelocityColumns(_Said):
+    """Columns of a velocity in right, forward, up."""
+
+    time: Stamps = ("time",)
+    velocity: Three = NONE
+    sigma: Three = NONE
+
+
+class BodyVelocityUnits(_Said):
+    """Their units."""
+
+    time: str = "s"
+    velocity: str = "m/s"
+    sigma: str = "m/s"
+
+
+class HeadingColumns(_Said):
+    """Columns of a heading, clockwise from north."""
+
+    time: Stamps = ("time",)
+    heading: Column = "heading"
+    sigma: Column = ""
+
+
+class HeadingUnits(_Said):
+    """Their units."""
+
+    time: str = "s"
+    heading: str = "deg"
+    sigma: str = "deg"
+
+
+class HeightColumns(_Said):
+    """Columns of a height."""
+
+    time: Stamps = ("time",)
+    height: Column = "height"
+    sigma: Column = ""
+
+
+class HeightUnits(_Said):
+    """Their units."""
+
+    time: str = "s"
+    height: str = "m"
+    sigma: str = "m"
+
+
+class ReferenceColumns(_Said):
+    """Columns of a reference: roll, pitch, heading; latitude, longitude, height; east, north, up."""
+
+    time: Stamps = ("time",)
+    attitude: Three = NONE
+    position: Three = NONE
+    velocity: Three = NONE
+
+
+class ReferenceUnits(_Said):
+    """Their units; `position` is that of latitude and longitude."""
+
+    time: str = "s"
+    attitude: str = "deg"
+    position: str = "deg"
+    height: str = "m"
+    velocity: str = "m/s"

@@ -1,0 +1,231 @@
+"""ROS bags, written by the package that reads them, come back as they were."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from damage import CASES, refusals
+
+from sim_scenarios.errors import InputError
+from sim_scenarios.recordings.readers import ros
+from sim_scenarios.recordings.readers.contents import Axes, Clock
+
+pytest.importorskip("rosbags", reason="reading ROS bags needs rosbags")
+from rosbags import rosbag1, rosbag2
+from rosbags.typesys import Stores, get_typestore
+
+START = 1_625_094_982
+STORES = {version: get_typestore(version) for version in (Stores.ROS1_NOETIC, Stores.ROS2_HUMBLE)}
+Messages = Iterable[tuple[str, str, dict[str, Any]]]
+"""Topics, types, and what differs from nothing."""
+KINDS = ["one.bag", "sqlite", "mcap"]
+
+
+def header(seconds: float, frame: str) -> dict[str, Any]:
+    return {"stamp": {"sec": int(seconds), "nanosec": round(seconds % 1 * 1e9)}, "frame_id": frame}
+
+
+def vector(values: Iterable[float]) -> dict[str, float]:
+    return dict(zip("xyz", values, strict=True))
+
+
+def imu(k: int, frame: str = "imu_link", start: float = START) -> dict[str, Any]:
+    rates = np.random.default_rng(k).normal(0, 1, 6)
+    rates[5] += 9.8
+    turn, force = vector(rates[:3]), vector(rates[3:])
+    return {"header": header(start + 0.25 * k, frame), "angular_velocity": turn, "linear_acceleration": force}
+
+
+def fix(seconds: float, covariance_type: int = 2, status: int = 0) -> dict[str, Any]:
+    covariance = np.diag([0.04, 0.09, 0.16]).ravel()
+    place = {"latitude": 51.5, "longitude": -114.25, "altitude": 1047.25}
+    told = {"position_covariance": covariance, "position_covariance_type": covariance_type}
+    return {"header": header(seconds, "gps"), "status": {"status": status}, **place, **told}
+
+
+def twist(seconds: float, frame: str) -> dict[str, Any]:
+    return {"header": header(seconds, frame), "twist": {"linear": vector([1.0, 2.0, 3.0])}}
+
+
+def uncertain_twist(seconds: float, frame: str, variance: float = 0.25) -> dict[str, Any]:
+    covariance = np.diag([variance, 1.0, 4.0, 9.0, 9.0, 9.0]).ravel()
+    told = {"twist": {"linear": vector([1.0, 2.0, 3.0])}, "covariance": covariance}
+    return {"header": header(seconds, frame), "twist": told}
+
+
+def made(store: Any, kind: str, values: dict[str, Any]) -> Any:
+    """Message of a type with these values, and nothing elsewhere."""
+    fields = {}
+    for name, (node, detail) in store.fielddefs[kind][1]:
+        if node == 2:
+            fields[name] = made(store, detail, values.get(name, {}))
+        elif node in (3, 4):
+            size = detail[1] if node == 3 else 0
+            default: Any = np.zeros(size, np.float64) if detail[0][0] == 1 else []
+            fields[name] = np.asarray(values[name]) if name in values else default
+        else:
+            fields[name] = values.get(name, "" if detail[0] == "string" else 0)
+    return store.types[kind](**fields)
+
+
+def written(folder: Path, kind: str, messages: Messages) -> Path:
+    path = folder / kind
+    if kind == "one.bag":
+        store = STORES[Stores.ROS1_NOETIC]
+        writer: Any = rosbag1.Writer(path)
+    else:
+        store = STORES[Stores.ROS2_HUMBLE]
+        plugin = rosbag2.StoragePlugin.MCAP if kind == "mcap" else rosbag2.StoragePlugin.SQLITE3
+        writer = rosbag2.Writer(path, version=8, storage_plugin=plugin)
+    with writer:
+        connections: dict[str, Any] = {}
+        for number, (topic, name, values) in enumerate(messages):
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, name, typestore=store)
+            message = made(store, name, values)
+            encode = store.serialize_ros1 if kind == "one.bag" else store.serialize_cdr
+            writer.write(connections[topic], START * 10**9 + number, encode(message, name))
+    return path
+
+
+IMU, FIX, ODOMETRY = "sensor_msgs/msg/Imu", "sensor_msgs/msg/NavSatFix", "nav_msgs/msg/Odometry"
+TWIST, UNCERTAIN = "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/TwistWithCovarianceStamped"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_rates_are_bit_equal(tmp_path: Path, kind: str) -> None:
+    messages = [imu(k) for k in range(5)]
+    path = written(tmp_path, kind, [("/imu", IMU, message) for message in messages])
+    assert ros.recognises(path)
+    contents = ros.read(path)
+    assert contents.clock is Clock.UNIX
+    assert contents.imu is not None
+    assert contents.imu.axes is Axes.FORWARD_LEFT_UP
+    assert not contents.imu.increments
+    assert contents.epoch == START
+    np.testing.assert_array_equal(contents.imu.time, 0.25 * np.arange(5))
+    for values, name in (
+        (contents.imu.angular, "angular_velocity"),
+        (contents.imu.force, "linear_acceleration"),
+    ):
+        np.testing.assert_array_equal(values, [list(message[name].values()) for message in messages])
+
+
+@pytest.mark.parametrize("kind", ["sqlite", "mcap"])
+def test_the_file_of_a_bag_alone(tmp_path: Path, kind: str) -> None:
+    """What is passed on is often the file without its folder's description."""
+    folder = written(tmp_path, kind, [("/imu", IMU, imu(k)) for k in range(3)])
+    [path] = [file for file in folder.iterdir() if file.name != "metadata.yaml"]
+    assert ros.recognises(path)
+    contents = ros.read(path)
+    assert contents.imu is not None
+    assert len(contents.imu.time) == 3
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_fixes(tmp_path: Path, kind: str) -> None:
+    messages = [fix(START), fix(START + 1, covariance_type=0), fix(START + 2, status=-1)]
+    contents = ros.read(written(tmp_path, kind, [("/fix", FIX, message) for message in messages]))
+    assert contents.gnss is not None
+    np.testing.assert_array_equal(contents.gnss.time, [0, 1])
+    expected = [np.radians(51.5), np.radians(-114.25), 1047.25]
+    np.testing.assert_allclose(contents.gnss.position, [expected] * 2, rtol=1e-15)
+    np.testing.assert_allclose(contents.gnss.position_sigma, [[0.2, 0.3, 0.4], [0, 0, 0]], rtol=1e-15)
+    assert np.isnan(contents.gnss.velocity).all()
+
+
+def test_twists_in_the_frame_of_the_fixes_are_the_receiver_s(tmp_path: Path) -> None:
+    """Drivers of receivers say east, north, up in the frame of the antenna; the rest is of the body."""
+    messages = [
+        ("/fix", FIX, fix(START)),
+        ("/vel", UNCERTAIN, uncertain_twist(START, "gps")),
+        ("/dvl", TWIST, twist(START, "base_link")),
+    ]
+    contents = ros.read(written(tmp_path, "mcap", messages))
+    assert contents.gnss is not None
+    assert contents.body_velocity is not None
+    np.testing.assert_array_equal(contents.gnss.velocity, [[1, 2, 3]])
+    np.testing.assert_array_equal(contents.gnss.velocity_sigma, [[0.5, 1, 2]])
+    np.testing.assert_array_equal(contents.body_velocity.velocity, [[-2, 1, 3]])  # from forward, left, up
+    np.testing.assert_array_equal(contents.body_velocity.sigma, [[0, 0, 0]])
+
+
+def test_twists_in_the_map_are_velocities_of_the_antenna(tmp_path: Path) -> None:
+    contents = ros.read(written(tmp_path, "mcap", [("/vel", TWIST, twist(START, "map"))]))
+    assert contents.body_velocity is None
+    assert contents.gnss is not None
+    np.testing.assert_array_equal(contents.gnss.velocity, [[1, 2, 3]])
+    assert np.isnan(contents.gnss.position).all()
+
+
+def test_odometry_is_of_the_body(tmp_path: Path) -> None:
+    odometry = [uncertain_twist(START, "odom"), uncertain_twist(START + 1, "odom", variance=0.0)]
+    contents = ros.read(written(tmp_path, "one.bag", [("/odom", ODOMETRY, message) for message in odometry]))
+    assert contents.gnss is None
+    assert contents.body_velocity is not None
+    np.testing.assert_array_equal(contents.body_velocity.velocity, [[-2, 1, 3]] * 2)
+    np.testing.assert_array_equal(contents.body_velocity.sigma, [[1, 0.5, 2], [0, 0, 0]])
+
+
+def test_the_fullest_topic_then_the_first_by_name(tmp_path: Path) -> None:
+    many = [("/z", IMU, imu(k, "z")) for k in range(4)]
+    few = [("/a", IMU, imu(k, "a")) for k in range(3)]
+    contents = ros.read(written(tmp_path, "mcap", few + many))
+    assert contents.imu is not None
+    assert len(contents.imu.time) == 4
+    [remark] = contents.remarks
+    assert "/a is left out" in remark
+
+
+@pytest.mark.parametrize(
+    ("frame", "axes"), [("imu_ned", None), ("imu_optical", None), ("", Axes.FORWARD_LEFT_UP)]
+)
+def test_frames_with_axes_of_their_own(tmp_path: Path, frame: str, axes: Axes | None) -> None:
+    contents = ros.read(written(tmp_path, "mcap", [("/imu", IMU, imu(k, frame)) for k in range(3)]))
+    assert contents.imu is not None
+    assert contents.imu.axes is axes
+
+
+def test_the_clock_of_a_simulation(tmp_path: Path) -> None:
+    contents = ros.read(written(tmp_path, "mcap", [("/imu", IMU, imu(k, start=3.0)) for k in range(3)]))
+    assert contents.clock is Clock.OWN
+    assert contents.imu is not None
+    np.testing.assert_array_equal(contents.imu.time, [3, 3.25, 3.5])
+
+
+def test_stamps_to_the_nanosecond(tmp_path: Path) -> None:
+    messages = [imu(k) for k in range(3)]
+    for message in messages:
+        message["header"]["stamp"]["nanosec"] += 123_456_789
+    contents = ros.read(written(tmp_path, "mcap", [("/imu", IMU, message) for message in messages]))
+    assert contents.imu is not None
+    np.testing.assert_array_equal(contents.imu.time, [0.123456789, 0.373456789, 0.623456789])
+    assert contents.place("imu", 1) == "Imu message 2"
+    assert contents.place("gnss", 1) == "gnss row 2"
+
+
+def test_nothing_that_is_read(tmp_path: Path) -> None:
+    name = "std_msgs/msg/String"
+    with pytest.raises(InputError, match=r"one\.bag: has no message of sensor_msgs/msg/Imu"):
+        ros.read(written(tmp_path, "one.bag", [("/chat", name, {"data": "hello"})]))
+
+
+def test_recognised(tmp_path: Path) -> None:
+    (tmp_path / "other").write_text("time,gyro\n")
+    assert not ros.recognises(tmp_path / "other")
+    assert not ros.recognises(tmp_path)
+    assert not ros.recognises(tmp_path / "there is none")
+    with pytest.raises(InputError, match="there is no recording"):
+        ros.read(tmp_path / "there is none.bag")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_damaged_files(tmp_path: Path, kind: str) -> None:
+    path = written(tmp_path, kind, [("/imu", IMU, imu(k)) for k in range(3)])
+    if path.is_dir():
+        [path] = [file for file in path.iterdir() if file.name != "metadata.yaml"]
+    assert len(refusals(ros.read, path, CASES // len(KINDS) + 1)) > 20

@@ -1,0 +1,225 @@
+"""Drafts of descriptions: whatever the habits of a logger, what is drafted reads back as what was driven."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from town_drive import TownDrive, fix_cells, imu_cells
+from typer.testing import CliRunner, Result
+
+from sim_scenarios import toml
+from sim_scenarios.cli.application import app
+from sim_scenarios.errors import InputError
+from sim_scenarios.recordings import load
+from sim_scenarios.recordings.checks import doubts
+from sim_scenarios.recordings.drafting import draft
+from sim_scenarios.recordings.stamps import intervals
+from sim_scenarios.units import DEGREE
+
+CAR = Path(os.environ.get("TRUENORTH_RECORDINGS", ""), "car_drive")
+WHOLE = TownDrive().recording(120.0)
+UNIX = 1_741_046_400.0  # 2025-03-04
+G = 9.80665
+
+
+def drafted(folder: Path, *files: Path) -> tuple[Path, dict[str, dict[str, object]]]:
+    path = folder / "recording.toml"
+    text, guesses = draft(files, folder)
+    path.write_text(text)
+    assert len(guesses) == sum(line.startswith("# ") for line in text.splitlines()) - 4  # title and mounting
+    return path, toml.read(path)
+
+
+def sensor(
+    matrix: np.ndarray, angle: float, force: float, names: list[str], period: float = 0.01
+) -> pd.DataFrame:
+    """IMU in other axes and units; a period of 1 leaves increments."""
+    cells = imu_cells(WHOLE.imu)
+    parts = [cells.filter(like="angle") / period / angle, cells.filter(like="velocity") / period / force]
+    values = np.hstack([part.to_numpy() @ np.array(matrix).T for part in parts])
+    return pd.DataFrame(np.column_stack([cells["time"], values]), columns=names)
+
+
+FLU = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+FRD = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
+BRU = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+UFL = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+
+
+def named(angular: str, force: str, unit: str = "") -> list[str]:
+    return ["time", *(f"{angular}{axis}{unit}" for axis in "xyz"), *(f"{force}{axis}" for axis in "xyz")]
+
+
+GYRO = named("gyro_", "acc_")
+LOGGERS = {
+    "deg/s and g by name": (FLU, DEGREE, G, named("g", "a", "_dps"), 0.01),
+    "rad/s and m/s2, down": (FRD, 1.0, 1.0, GYRO, 0.01),
+    "mg, backward": (BRU, DEGREE, 1e-3 * G, named("Gyro", "Acc", " (deg/s)"), 0.01),
+    "increments, first axis up": (UFL, 1.0, 1.0, named("dtheta_", "dv_", "_rad"), 1.0),
+    "increments in deg and g*s": (FLU, DEGREE, G, named("delta_angle_", "delta_v_", "_deg"), 1.0),
+}
+EXPECTED = {
+    "deg/s and g by name": ("forward-left-up", "deg/s", "g"),
+    "rad/s and m/s2, down": ("forward-right-down", "rad/s", "m/s2"),
+    "mg, backward": ("backward-right-up", "deg/s", "mg"),
+    "increments, first axis up": ("up-forward-left", "rad", "m/s"),
+    "increments in deg and g*s": ("forward-left-up", "deg", "g*s"),
+}
+
+
+@pytest.mark.parametrize("logger", LOGGERS)
+def test_a_drive_in_two_files_reads_back(tmp_path: Path, logger: str) -> None:
+    """With stamps in milliseconds of a day beside seconds since 1970."""
+    matrix, angle, force, names, period = LOGGERS[logger]
+    cells = sensor(matrix, angle, force, names, period)
+    cells[names[0]] = np.round((3600 + WHOLE.imu.time) * 1000).astype(int)
+    cells.to_csv(tmp_path / "imu.csv", index=False, sep=";")
+    fixes = fix_cells(WHOLE.gnss)
+    fixes["time"] += UNIX + 3600
+    fixes.rename(columns={"time": "unix_time"}).to_csv(
+        tmp_path / "gnss.csv", index=False, float_format="%.12f"
+    )
+    path, said = drafted(tmp_path, tmp_path / "gnss.csv", tmp_path / "imu.csv")
+    axes, angular, force_unit = EXPECTED[logger]
+    assert said["imu"]["axes"] == axes
+    assert said["imu"]["units"] == {"time": "ms", "angular": angular, "force": force_unit}
+    assert said["imu"]["clock"] == "utc-day"
+    assert said["gnss"]["clock"] == "unix"
+    read = load(path)
+    assert doubts(read) == []
+    np.testing.assert_allclose(read.imu.time, WHOLE.imu.time + 3618, atol=1e-9)
+    np.testing.assert_allclose(read.gnss.time, WHOLE.gnss.time + 3618, atol=1e-6)
+    np.testing.assert_allclose(read.imu.delta_angle, WHOLE.imu.delta_angle, atol=1e-12)
+    np.testing.assert_allclose(read.imu.delta_velocity, WHOLE.imu.delta_velocity, atol=1e-10)
+
+
+def test_degrees_are_told_from_radians_without_a_name(tmp_path: Path) -> None:
+    """By the speed of the turns: 20 deg/s are ordinary, 20 rad/s are not."""
+    for unit, si in (("deg/s", DEGREE), ("rad/s", 1.0)):
+        sensor(FLU, si, 1.0, GYRO).to_csv(tmp_path / "imu.csv", index=False)
+        fix_cells(WHOLE.gnss).to_csv(tmp_path / "gnss.csv", index=False, float_format="%.12f")
+        path, said = drafted(tmp_path, tmp_path / "imu.csv", tmp_path / "gnss.csv")
+        assert said["imu"]["units"]["angular"] == unit
+        assert doubts(load(path)) == []
+
+
+def test_without_a_header_size_and_steadiness_tell(tmp_path: Path) -> None:
+    cells = sensor(FLU, 1.0, 1.0, GYRO)[["time", "acc_x", "acc_y", "acc_z", "gyro_x", "gyro_y", "gyro_z"]]
+    cells.to_csv(tmp_path / "imu.csv", index=False, header=False)
+    path, said = drafted(tmp_path, tmp_path / "imu.csv")
+    assert said["imu"]["columns"] == {"time": "1", "angular": ["5", "6", "7"], "force": ["2", "3", "4"]}
+    np.testing.assert_allclose(load(path).imu.delta_velocity, WHOLE.imu.delta_velocity, atol=1e-12)
+
+
+def test_counts_are_scaled_by_gravity(tmp_path: Path) -> None:
+    sensor(FLU, 1.0, G / 16384, GYRO).to_csv(tmp_path / "imu.csv", index=False)
+    path, _ = drafted(tmp_path, tmp_path / "imu.csv")
+    assert "check: counts?" in path.read_text()
+    size = np.linalg.norm(load(path).imu.delta_velocity, axis=1).mean()
+    assert size == pytest.approx(G * 0.01, rel=1e-5)
+
+
+def test_fixes_in_radians_with_a_velocity_down_in_one_file(tmp_path: Path) -> None:
+    cells = sensor(FLU, 1.0, 1.0, GYRO)
+    fixes = fix_cells(WHOLE.gnss)
+    fixes[["lat", "lon"]] *= DEGREE
+    fixes["vd"] = -fixes.pop("vu")
+    cells = pd.concat([cells, fixes.drop(columns="time").set_axis(cells.index[49::50])], axis=1)
+    cells.to_csv(tmp_path / "all.csv", index=False, float_format="%.15g")
+    path, said = drafted(tmp_path, tmp_path / "all.csv")
+    assert said["gnss"]["columns"]["velocity"] == ["ve", "vn", "-vd"]
+    assert said["gnss"]["units"]["position"] == "rad"
+    assert "file" not in said["gnss"]
+    np.testing.assert_allclose(load(path).gnss.velocity, WHOLE.gnss.velocity, atol=1e-12)
+    np.testing.assert_allclose(load(path).gnss.position, WHOLE.gnss.position, rtol=1e-12)
+
+
+def test_other_aids_are_found_by_their_names(tmp_path: Path) -> None:
+    sensor(FLU, 1.0, 1.0, GYRO).to_csv(tmp_path / "imu.csv", index=False)
+    others = pd.DataFrame(
+        {"time": WHOLE.gnss.time, "wheel_speed": 12.0, "heading_deg": 90.0, "baro_alt": 500.0}
+    )
+    others.to_csv(tmp_path / "aids.csv", index=False)
+    path, said = drafted(tmp_path, tmp_path / "imu.csv", tmp_path / "aids.csv")
+    read = load(path)
+    np.testing.assert_array_equal(read.body_velocity.velocity[0], [np.nan, 12.0, np.nan])
+    assert read.heading_aid.heading[0] == pytest.approx(np.pi / 2)
+    assert read.height_aid.height[0] == 500.0
+    assert said["body_velocity"]["lever_arm"] == [0.0, 0.0, 0.0]
+
+
+def test_positions_alone_are_fixes(tmp_path: Path) -> None:
+    """In whole numbers of 1e-7 deg, as receivers put them out."""
+    sensor(FLU, 1.0, 1.0, GYRO).to_csv(tmp_path / "imu.csv", index=False)
+    fixes = fix_cells(WHOLE.gnss)[["time", "lat", "lon", "height"]]
+    fixes[["lat", "lon"]] = np.round(fixes[["lat", "lon"]] * 1e7).astype(int)
+    fixes.to_csv(tmp_path / "gnss.csv", index=False)
+    path, _ = drafted(tmp_path, tmp_path / "imu.csv", tmp_path / "gnss.csv")
+    read = load(path)
+    np.testing.assert_allclose(read.gnss.position[:, :2], WHOLE.gnss.position[:, :2], atol=0.6e-7 * DEGREE)
+    assert np.isnan(read.gnss.velocity).all()
+
+
+def test_a_file_with_an_attitude_is_a_reference(tmp_path: Path) -> None:
+    sensor(FLU, 1.0, 1.0, GYRO).to_csv(tmp_path / "imu.csv", index=False)
+    solution = fix_cells(WHOLE.gnss).assign(roll=1.0, pitch=-2.0, yaw=270.0)
+    solution.to_csv(tmp_path / "ins.csv", index=False, float_format="%.12f")
+    path, said = drafted(tmp_path, tmp_path / "imu.csv", tmp_path / "ins.csv")
+    assert set(said) == {"imu", "reference"}
+    read = load(path)
+    np.testing.assert_allclose(read.reference.attitude[3] / DEGREE, [1, -2, 270])
+    np.testing.assert_allclose(read.reference.position, WHOLE.gnss.position, rtol=1e-11)
+
+
+def test_what_has_no_imu_is_refused(tmp_path: Path) -> None:
+    fix_cells(WHOLE.gnss).to_csv(tmp_path / "gnss.csv", index=False)
+    with pytest.raises(InputError, match=r"gnss\.csv: none has an IMU"):
+        draft([tmp_path / "gnss.csv"], tmp_path)
+    (tmp_path / "x.csv").write_text("time,a,b\n1,2,3\n2,3,4\n")
+    with pytest.raises(InputError, match=r"x\.csv: has neither an IMU nor an aid"):
+        draft([tmp_path / "x.csv"], tmp_path)
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(app, ["import", *map(str, arguments)])
+
+
+def test_the_command_writes_what_it_says_and_replaces_nothing(tmp_path: Path) -> None:
+    imu_cells(WHOLE.imu).to_csv(tmp_path / "imu.csv", index=False)
+    output = tmp_path / "out" / "recording.toml"
+    first = run(tmp_path / "imu.csv", "-o", output)
+    assert first.exit_code == 0, first.output
+    assert "imu.format" in first.output
+    assert len(load(output).imu.time) == len(WHOLE.imu.time)
+    output.write_text("mine")
+    second = run(tmp_path / "imu.csv", "-o", output)
+    assert second.exit_code == 2
+    assert "exists; replace it with --force" in " ".join(second.stderr.split())
+    assert output.read_text() == "mine"
+    assert run(tmp_path / "imu.csv", "-o", output, "--force").exit_code == 0
+    assert output.read_text() != "mine"
+
+
+@pytest.mark.skipif(not CAR.exists(), reason="no car_drive in the folder TRUENORTH_RECORDINGS")
+def test_a_real_drive_needs_its_mounting_and_lever_arm_alone(tmp_path: Path) -> None:
+    path, said = drafted(tmp_path, CAR / "gnss.pos.gz", CAR / "imu.csv.gz")
+    assert said["imu"]["axes"] == "backward-right-up"
+    assert said["imu"]["clock"] == "gps-day"
+    text = path.read_text().replace('axes = "backward-right-up"', 'axes = "forward-right-down"')
+    mounting = (
+        "[[-0.98866, -0.092586, 0.118231], [-0.093239, 0.995644, 0], [-0.117716, -0.011024, -0.992986]]"
+    )
+    text = text.replace("# mounting = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]", f"mounting = {mounting}")
+    path.write_text(text.replace("lever_arm = [0.0, 0.0, 0.0]", "lever_arm = [-0.05, 0.0, 0.0]"))
+    read = load(path)
+    assert doubts(read) == []
+    assert read.lever_arms.gnss == (-0.05, 0.0, 0.0)
+    standing = read.imu.time < read.imu.time[0] + 20
+    force = read.imu.delta_velocity[standing].sum(axis=0) / intervals(read.imu.time)[standing].sum()
+    # A MEMS accelerometer of 0.1 m/s2, a mounting that is known to a degree or two.
+    np.testing.assert_allclose(force, [0, 0, 9.8], atol=0.3)
+    assert read.imu.time[0] < read.gnss.time[50] < read.gnss.time[-1] < read.imu.time[-1]
