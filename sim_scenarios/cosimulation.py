@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from itertools import pairwise
 from typing import Any, Protocol
 
@@ -25,6 +24,7 @@ from numpy.typing import NDArray
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import OPTIONAL, START, Fmu, Variable
 from sim_scenarios.instance import Instance, Port, Signals
+from sim_scenarios.stepping import Order
 
 Array = NDArray[np.float64]
 Columns = dict[str, NDArray[Any]]
@@ -35,21 +35,6 @@ Progress = Callable[[float], None]
 def part_of(progress: Progress, done: int, parts: int) -> Progress:
     """Progress of one of several equal parts, after those that are done."""
     return lambda share: progress((done + share) / parts)
-
-
-class Order(str, Enum):
-    """Who steps first."""
-
-    gauss_seidel = "gauss-seidel"
-    jacobi = "jacobi"
-
-
-class Master(str, Enum):
-    """Who steps plant and filters."""
-
-    auto = "auto"  # the container where it can
-    container = "container"
-    python = "python"
 
 
 class Table:
@@ -180,6 +165,15 @@ class Sink:
         self.instance = instance
         self.port = Port(instance, source.signals.names, source.signals)
 
+    @classmethod
+    def initialised(cls, instance: Instance, source: Source, start: float, stop: float) -> Sink:
+        """A new filter, initialised with the current signals, that will run from start to stop [s]."""
+        instance.begin_initialisation(start, stop)
+        sink = cls(instance, source)
+        sink.receive()
+        instance.finish_initialisation()
+        return sink
+
     def receive(self) -> None:
         """Take the current signals."""
         self.port.write()
@@ -190,31 +184,38 @@ class Sink:
 
 
 class AlignmentSource:
-    """Signals of a plant, and what an alignment that consumes them hands over to navigation.
+    """Signals of a plant or a recording, and what an alignment that consumes them hands over to navigation.
 
     Parameters
     ----------
-    source : FmuSource
-        Plant, with the signals that the alignment consumes.
+    source : FmuSource or RecordedSource
+        With the signals that the alignment consumes; those of a recording are all that navigation gets.
     alignment : Sink
         AlignmentFilter that consumes them, initialised.
     navigation : Fmu
         NavigationFilter whose inputs are fed.
     order : Order
-        Of the steps of plant and alignment.
+        Of the steps of source and alignment.
     """
 
-    def __init__(self, source: FmuSource, alignment: Sink, navigation: Fmu, order: Order) -> None:
+    def __init__(
+        self, source: FmuSource | RecordedSource, alignment: Sink, navigation: Fmu, order: Order
+    ) -> None:
         self.instance, self.alignment = source.instance, alignment.instance
         self._source, self._sink, self._late = source, alignment, order is Order.jacobi
         handed = handed_over(self.alignment.fmu, navigation)
-        sensed = connected(self.instance.fmu.outputs(), navigation)
-        self._ports = Port(self.instance, sensed), Port(self.alignment, list(handed.values()))
-        self.signals = Signals([navigation.variables[name] for name in (*sensed, *handed)])
+        outputs = Port(self.alignment, list(handed.values()))
+        if self.instance is None:
+            self._ports, sensed = [outputs], source.signals
+        else:
+            port = Port(self.instance, connected(self.instance.fmu.outputs(), navigation))
+            self._ports, sensed = [port, outputs], port.signals
+        self._parts = sensed, outputs.signals
+        self.signals = Signals([navigation.variables[name] for name in (*sensed.names, *handed)])
         self._renew()
 
     def advance(self, time: float, step: float) -> None:
-        """Step plant and alignment and read their outputs."""
+        """Step source and alignment and read their outputs."""
         if self._late:
             self._sink.receive()
         self._source.advance(time, step)
@@ -224,11 +225,11 @@ class AlignmentSource:
         self._renew()
 
     def _renew(self) -> None:
-        """Outputs of the plant and, behind them, of the alignment, into the signals."""
+        """What is sensed and, behind it, the outputs of the alignment, into the signals."""
         for port in self._ports:
             port.read()
         for base, buffer in self.signals.buffers.items():
-            parts = [port.signals.buffers[base] for port in self._ports if base in port.signals.buffers]
+            parts = [signals.buffers[base] for signals in self._parts if base in signals.buffers]
             np.concatenate(parts, out=buffer)
 
 

@@ -50,3 +50,32 @@ def radii(latitude: ArrayLike) -> tuple[Array, Array]:
     """Radii of curvature of the ellipsoid [m]: meridian and prime vertical."""
     root = np.sqrt(1 - ECCENTRICITY_2 * np.sin(latitude) ** 2)
     return SEMI_MAJOR_AXIS * (1 - ECCENTRICITY_2) / root**3, SEMI_MAJOR_AXIS / root
+
+
+def displacement(position: Array, origin: Array) -> Array:
+    """From one position to another nearby: east, north, up [m].
+
+    Parameters
+    ----------
+    position, origin : ndarray, shape (..., 3)
+        Latitude [rad], longitude [rad], height [m].
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+    """
+    latitude, height = origin[..., 0], origin[..., 2]
+    meridian, prime_vertical = radii(latitude)
+    turn = (position[..., 1] - origin[..., 1] + np.pi) % (2 * np.pi) - np.pi
+    east = turn * (prime_vertical + height) * np.cos(latitude)
+    north = (position[..., 0] - latitude) * (meridian + height)
+    return np.stack((east, north, position[..., 2] - height), axis=-1)
+
+
+def displaced(origin: Array, displacement: Array) -> Array:
+    """The position that lies nearby, east, north, up [m] of another; shapes as of `displacement`."""
+    latitude, height = origin[..., 0], origin[..., 2]
+    meridian, prime_vertical = radii(latitude)
+    east, north, up = np.moveaxis(displacement, -1, 0)
+    longitude = origin[..., 1] + east / ((prime_vertical + height) * np.cos(latitude))
+    return np.stack((latitude + north / (meridian + height), longitude, height + up), axis=-1)

@@ -21,6 +21,7 @@ from sim_scenarios.folders import filled
 from sim_scenarios.html import render
 from sim_scenarios.metrics import Verdict, hand_over, is_navigation, judge
 from sim_scenarios.metrics.alignment import bound_in_words
+from sim_scenarios.metrics.statistics import is_measured
 from sim_scenarios.metrics.verdict import status_at_end
 from sim_scenarios.plots import fixes, heading, navigation
 from sim_scenarios.plots import track as pictures_of_track
@@ -337,11 +338,12 @@ def _at_round_times(time: Array, most: int = 12) -> list[int]:
 
 
 def _drawn(data: xr.Dataset, drawings: Sequence[Drawing]) -> Iterator[tuple[Drawing, Figure]]:
-    """Drawings whose needs are recorded, with at least one value."""
+    """Drawings whose needs are recorded, with at least one value; those of fixes if one measured anything."""
     with_estimates = under_way(data)
     for drawing in drawings:
         shown = data if drawing.whole else with_estimates
-        if all(name in shown and shown[name].size > 0 for name in drawing.needs):
+        recorded = all(name in shown and shown[name].size > 0 for name in drawing.needs)
+        if recorded and (drawing.needs != _OF_FIXES or is_measured(shown).any()):
             yield drawing, drawing.draw(shown)
 
 

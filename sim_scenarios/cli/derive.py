@@ -9,7 +9,7 @@ import typer
 
 from sim_scenarios.cli.options import AsJson
 from sim_scenarios.cli.results import Results, storing
-from sim_scenarios.cli.terminal import print_json, print_pairs, progress, refusing_bad_input
+from sim_scenarios.cli.terminal import print_json, print_pairs, progress, refusing_bad_input, say
 from sim_scenarios.fmus import NAVIGATION_FILTER
 from sim_scenarios.units import DEGREE
 
@@ -59,6 +59,7 @@ def derive_noise(
     from sim_scenarios.names import file_name
     from sim_scenarios.plots.allan import allan
     from sim_scenarios.plots.style import png
+    from sim_scenarios.recordings.checks import doubts
     from sim_scenarios.recordings.derive import derive
     from sim_scenarios.recordings.description import load
     from sim_scenarios.recordings.start import Start
@@ -67,10 +68,11 @@ def derive_noise(
         folder = output or Path("truenorth-derived") / file_name(recording.name.split(".")[0])
         Results(folder)
         start = None if heading is None else Start(heading=heading * DEGREE)
+        loaded = load(recording)
+        for doubt in doubts(loaded):
+            say(f"truenorth: {doubt}")
         with progress(recording.name) as advance:
-            derived = derive(
-                load(recording), begin, end, filter_fmu=filter_fmu, start=start, progress=advance
-            )
+            derived = derive(loaded, begin, end, filter_fmu=filter_fmu, start=start, progress=advance)
         with storing(folder), filled(folder) as draft:
             (draft / "noise.toml").write_text(derived.toml(), encoding="utf-8")
             if derived.rest is not None:

@@ -23,11 +23,11 @@ from sim_scenarios.ensemble import (
     VERTICAL,
     Ensemble,
     Errors,
-    Window,
     rms_over_runs,
     rmse,
 )
 from sim_scenarios.plots.style import INK, figure, lines
+from sim_scenarios.timeline import Window, inside
 from sim_scenarios.units import ARCMIN, DEGREE
 
 Array = NDArray[np.float64]
@@ -116,17 +116,17 @@ def drawn(
     """
     over_time = kind != "distribution"
     time = runs.filters[labels[0]].time
-    within = window or ((float(time[0]), float(time[-1])) if over_time else runs.window)
+    shown = window or ((float(time[0]), float(time[-1])) if over_time else runs.window)
+    held = inside(time, *shown)
     with figure(rows=len(panels), height=1.2 + 2.2 * len(panels), sharex=over_time) as (picture, rows):
         for axes, name in zip(rows, panels, strict=True):
             panel = PANELS[name]
             truth = told(name) if over_time else None
-            inside = (time >= within[0]) & (time <= within[1])
             if truth is not None:
-                axes.plot(time[inside], truth[inside] / panel.size, color=INK, lw=1.2, label="true")
+                axes.plot(time[held], truth[held] / panel.size, color=INK, lw=1.2, label="true")
             for label, colour, dashes in lines(labels):
-                errors = runs.filters[label].part(panel.columns, within)
-                x, y = _curve(errors, kind, panel.size, None if truth is None else truth[inside])
+                errors = runs.filters[label].part(panel.columns, shown)
+                x, y = _curve(errors, kind, panel.size, None if truth is None else truth[held])
                 style = "default" if over_time else "steps-post"
                 axes.plot(x, y, dashes, color=colour, lw=1.2, label=label, drawstyle=style)
             if kind == "rms":

@@ -76,11 +76,11 @@ def _panels(run: xr.Dataset, known: bool) -> Iterator[tuple[str, Array, Array]]:
 
 
 def _values(run: xr.Dataset, quantity: Quantity, known: bool) -> Array | None:
-    """Errors of three states where the truth is known, else estimates; None of what is not recorded."""
+    """Errors of three states where the truth is known, else estimates; None of what is not."""
     if known and quantity.error:
         error: Array = run[quantity.error].values
         return wrap(error) if quantity.unit == "arcmin" else error
-    if quantity.estimate not in run:
+    if quantity.estimate not in run or (known and quantity.truth not in run):
         return None
     estimate: Array = run[quantity.estimate].values
     return estimate - run[quantity.truth].values if known else estimate

@@ -11,6 +11,7 @@ import numpy as np
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings import ahead, forces, tracks, turns
 from sim_scenarios.recordings.tables import FixTable, ImuTable, Recording
+from sim_scenarios.recordings.turns import Turns
 
 SURE: Final = 0.8
 """Correlation from which on turns are compared at all."""
@@ -118,7 +119,7 @@ def _certain_of_fixes(imu: ImuTable, gnss: FixTable) -> list[str]:
     found = turns.compare(imu, gnss)
     if found is None or causes or abs(found.correlation) < SURE:
         return causes
-    if abs(found.lag) > LATE and abs(found.unmoved) < 0.5 * abs(found.correlation):
+    if _late_for_certain(found):
         causes.append(f"gnss: {_late(found.lag)}")
     elif _within(abs(found.slope), DEGREES):
         causes.append(
@@ -130,7 +131,7 @@ def _certain_of_fixes(imu: ImuTable, gnss: FixTable) -> list[str]:
             f"delta angles seem to be radians read as degrees: the course turns {abs(found.slope):.0f} times "
             "more than they say"
         )
-    elif found.slope < 0:
+    elif _within(-found.slope, RIGHT):
         causes.append(
             "turn rates are against the course: the axes of the gyros are not those of the accelerometers"
         )
@@ -157,11 +158,23 @@ def _doubts_of_fixes(imu: ImuTable, gnss: FixTable) -> list[str]:
     found = turns.compare(imu, gnss)
     if found is None or abs(found.correlation) < SURE:
         return said
-    if abs(found.lag) > LATE:
+    if abs(found.lag) > LATE and _turns_alike(found):
         said.append(f"gnss: {_late(found.lag)}")
     if not _within(found.slope, RIGHT):
         said.append(f"the course turns {found.slope:.2f} times as far as the delta angles say")
     return said
+
+
+def _late_for_certain(found: Turns) -> bool:
+    return abs(found.lag) > LATE and abs(found.unmoved) < 0.5 * abs(found.correlation) and _turns_alike(found)
+
+
+def _turns_alike(found: Turns) -> bool:
+    """Whether course and IMU turn as far, or apart by a unit: if not, the course shows another motion.
+
+    So it does on a slow ship that rolls: the antenna on its mast moves as fast as the ship.
+    """
+    return any(_within(abs(found.slope), limits) for limits in (RIGHT, DEGREES, RADIANS))
 
 
 def _late(lag: float) -> str:

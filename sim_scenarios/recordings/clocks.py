@@ -10,19 +10,14 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from enum import Enum
 from typing import Final
 
 import numpy as np
 
 from sim_scenarios.errors import InputError
-from sim_scenarios.recordings.readers import contents
+from sim_scenarios.recordings.readers.contents import Clock
+from sim_scenarios.recordings.readers.gps_time import DAY, SINCE_1970, WEEK
 from sim_scenarios.recordings.tables import Array
-
-DAY: Final = 86400.0
-WEEK: Final = 7 * DAY
-GPS_BEGINS: Final = 315964800.0
-"""1980-01-06 on the clock of Unix [s]."""
 
 _LEAPS: Final = tuple(
     float(np.datetime64(day, "s").astype(np.int64))
@@ -33,34 +28,6 @@ _LEAPS: Final = tuple(
     )
 )
 """From when on GPS time is a second more ahead of UTC [s, Unix]."""
-
-
-class Clock(Enum):
-    """From when stamps count, as a description may say it."""
-
-    GPS = "gps"
-    UNIX = "unix"
-    GPS_WEEK = "gps-week"
-    GPS_DAY = "gps-day"
-    UTC_DAY = "utc-day"
-    OWN = "own"
-
-    @property
-    def dated(self) -> bool:
-        """Whether a stamp says the date."""
-        return self in (Clock.GPS, Clock.UNIX)
-
-    @property
-    def repeats(self) -> float:
-        """After how many seconds a stamp comes again; 0: never."""
-        return {Clock.GPS_WEEK: WEEK, Clock.GPS_DAY: DAY, Clock.UTC_DAY: DAY}.get(self, 0.0)
-
-
-CLOCK_OF_READER: Final = {
-    contents.Clock.GPS: Clock.GPS,
-    contents.Clock.UNIX: Clock.UNIX,
-    contents.Clock.OWN: Clock.OWN,
-}
 
 
 @dataclass(frozen=True)
@@ -83,6 +50,15 @@ def leap_seconds(unix: float) -> int:
     return bisect_right(_LEAPS, unix)
 
 
+def begins(epoch: float, known: Clock, said: Clock) -> float:
+    """Epoch on a clock that is said, of stamps that a file counts on another one.
+
+    What a file dates keeps its date: dates that are said to be GPS time are counted since 1980.
+    """
+    since = {Clock.GPS: SINCE_1970, Clock.UNIX: 0.0}
+    return epoch + since[known] - since[said] if known.dated and said.dated else epoch
+
+
 def unwrapped(time: Array, clock: Clock) -> Array:
     """Stamps that go on where those of the day or the week begin again."""
     if not clock.repeats:
@@ -98,21 +74,29 @@ def on_one_clock(tables: Sequence[Stamps]) -> list[Array]:
     InputError
         If a table counts from something unknown and another does not, or a table does not overlap the first.
     """
+    tables, begin = _beside_one_another(tables)
+    times = [table.time + (table.epoch - (begin or 0.0)) for table in tables]
+    for table, time in zip(tables[1:], times[1:], strict=True):
+        _check_overlap(tables[0].where, times[0], table.where, time)
+    return times
+
+
+def common_epoch(tables: Sequence[Stamps]) -> float | None:
+    """GPS time from which stamps on the one clock of tables count [s]; None: no table tells the date."""
+    return _beside_one_another(tables)[1]
+
+
+def _beside_one_another(tables: Sequence[Stamps]) -> tuple[list[Stamps], float | None]:
+    """Tables in GPS time, and the midnight before the first where there is a date."""
     _check_named(tables)
     ahead = next((_leap_seconds(table) for table in tables if table.clock.dated), len(_LEAPS))
     tables = [_in_gps_time(table, ahead) for table in tables]
     dated = [table for table in tables if table.clock.dated]
     if dated:
         tables = [_placed(table, dated[0]) for table in tables]
-        day = np.floor((tables[0].epoch + tables[0].time[0]) / DAY) * DAY
-        tables = [replace(table, epoch=table.epoch - day) for table in tables]
-    else:
-        longest = max(tables, key=lambda table: table.clock.repeats)
-        tables = [_placed(table, longest) for table in tables]
-    times = [table.time + table.epoch for table in tables]
-    for table, time in zip(tables[1:], times[1:], strict=True):
-        _check_overlap(tables[0].where, times[0], table.where, time)
-    return times
+        return tables, float(np.floor((tables[0].epoch + tables[0].time[0]) / DAY) * DAY)
+    longest = max(tables, key=lambda table: table.clock.repeats)
+    return [_placed(table, longest) for table in tables], None
 
 
 def _check_named(tables: Sequence[Stamps]) -> None:
@@ -130,7 +114,7 @@ def _check_named(tables: Sequence[Stamps]) -> None:
 def _leap_seconds(table: Stamps) -> int:
     """How far GPS time is ahead of UTC at the first stamp of a clock that says the date."""
     first = table.epoch + float(table.time[0])
-    return leap_seconds(first if table.clock is Clock.UNIX else first + GPS_BEGINS)
+    return leap_seconds(first if table.clock is Clock.UNIX else first + SINCE_1970)
 
 
 def _in_gps_time(table: Stamps, ahead: int) -> Stamps:
@@ -140,7 +124,7 @@ def _in_gps_time(table: Stamps, ahead: int) -> Stamps:
     """
     table = replace(table, time=table.time + table.offset, offset=0.0)
     if table.clock is Clock.UNIX:
-        return replace(table, clock=Clock.GPS, epoch=table.epoch - GPS_BEGINS + _leap_seconds(table))
+        return replace(table, clock=Clock.GPS, epoch=table.epoch - SINCE_1970 + _leap_seconds(table))
     if table.clock is Clock.UTC_DAY:
         return replace(table, clock=Clock.GPS_DAY, epoch=table.epoch + ahead)
     return table

@@ -10,11 +10,10 @@ from typing import Any, Final
 import numpy as np
 
 from sim_scenarios.errors import InputError
-from sim_scenarios.recordings import axes, checks, clocks, stamps
-from sim_scenarios.recordings.clocks import CLOCK_OF_READER, Clock
+from sim_scenarios.recordings import axes, checks, clocks, fixes, stamps
 from sim_scenarios.recordings.order import in_order
 from sim_scenarios.recordings.readers import delimited, formats, sheets
-from sim_scenarios.recordings.readers.contents import Axes, Contents, Inertial
+from sim_scenarios.recordings.readers.contents import Axes, Clock, Contents, Inertial
 from sim_scenarios.recordings.sources import Description, ImuSource, Source, describe
 from sim_scenarios.recordings.tables import Array, ImuTable, LeverArms, Recording
 
@@ -51,7 +50,11 @@ class _Read:
 
     @property
     def clock(self) -> Clock:
-        return self.source.clock or CLOCK_OF_READER[self.contents.clock]
+        return self.source.clock or self.contents.clock
+
+    @property
+    def epoch(self) -> float:
+        return clocks.begins(self.contents.epoch, self.contents.clock, self.clock)
 
     def place(self, row: int) -> str:
         return f"{self.path}: {self.contents.place(TABLES[self.name][0], row)}"
@@ -141,15 +144,12 @@ def _to_body(said: ImuSource, imu: Inertial) -> Array:
 
 
 def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_arms: LeverArms) -> Recording:
-    in_time = [in_order(one.table, one.clock, one.source.stamps, one.place) for one in read]
-    times = clocks.on_one_clock(
-        [
-            clocks.Stamps(
-                f"{one.path}, {one.name}", one.clock, one.contents.epoch, table.time, one.source.offset
-            )
-            for one, (table, _) in zip(read, in_time, strict=True)
-        ]
-    )
+    in_time = [_in_order(one) for one in read]
+    of_tables = [
+        clocks.Stamps(f"{one.path}, {one.name}", one.clock, one.epoch, table.time, one.source.offset)
+        for one, (table, _) in zip(read, in_time, strict=True)
+    ]
+    times = clocks.on_one_clock(of_tables)
     tables = {
         TABLES[one.name][0]: _with_sigmas(replace(table, time=time), one.source)
         for one, (table, _), time in zip(read, in_time, times, strict=True)
@@ -160,11 +160,22 @@ def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_a
         name=name,
         imu=_increments(tables.pop("imu"), to_body, read[0].path),
         lever_arms=lever_arms,
+        epoch=clocks.common_epoch(of_tables),
         remarks=tuple(dict.fromkeys(remarks)),
         **tables,
     )
     checks.refuse(recording, path)
     return recording
+
+
+def _in_order(one: _Read) -> tuple[Any, list[str]]:
+    """A table in order, without what a receiver writes before its first fix, and remarks."""
+    table, remarks = in_order(one.table, one.clock, one.source.stamps, one.place)
+    if one.name != "gnss" or not (nowhere := fixes.before_the_first(table)).any():
+        return table, remarks
+    count = int(np.count_nonzero(nowhere))
+    remark = f"{one.path}: latitude 0, longitude 0 before the first fix, {count} times, left out"
+    return fixes.selected(table, ~nowhere), [*remarks, remark]
 
 
 def _increments(imu: Inertial, to_body: Array, path: Path) -> ImuTable:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
@@ -13,12 +14,12 @@ import numpy as np
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings import ahead, clocks, forces, guessed_tables, guesses, stamps, turns
-from sim_scenarios.recordings.clocks import CLOCK_OF_READER, Clock, Stamps
+from sim_scenarios.recordings.clocks import Stamps
 from sim_scenarios.recordings.description import TABLES
 from sim_scenarios.recordings.guesses import Guess
 from sim_scenarios.recordings.readers import formats, plain, sheets
 from sim_scenarios.recordings.readers.columns import likely
-from sim_scenarios.recordings.readers.contents import Contents
+from sim_scenarios.recordings.readers.contents import Clock, Contents
 from sim_scenarios.recordings.readers.sheets import Sheet
 from sim_scenarios.recordings.tables import ImuTable
 
@@ -48,13 +49,14 @@ class Part:
     def clock(self) -> Clock:
         """Clock that was guessed, or that the reader knows."""
         said = self.entries.get("clock")
-        return Clock(said.value) if said else CLOCK_OF_READER[self.contents.clock]
+        return Clock(said.value) if said else self.contents.clock
 
     def stamps(self, clock: Clock | None = None) -> Stamps:
         """Its stamps, on a clock that is tried."""
         clock = clock or self.clock
         time = clocks.unwrapped(self.rows.time, clock)
-        return Stamps(str(self.path), clock, self.contents.epoch, time)
+        epoch = clocks.begins(self.contents.epoch, self.contents.clock, clock)
+        return Stamps(str(self.path), clock, epoch, time)
 
 
 def draft(files: Sequence[Path], folder: Path) -> tuple[str, list[str]]:
@@ -72,20 +74,19 @@ def draft(files: Sequence[Path], folder: Path) -> tuple[str, list[str]]:
     text : str
         TOML.
     guesses : list of str
-        A sentence on each.
+        A sentence on each, and on each table that was left out.
 
     Raises
     ------
     InputError
         If no file has an IMU, or nothing is recognised in one.
     """
-    parts: dict[str, Part] = {}
+    found: list[list[Part]] = []
     for path in files:
-        found = _parts(path)
-        if not found:
+        if not (of_file := _parts(path)):
             raise InputError(f"{path}: has neither an IMU nor an aid that can be recognised")
-        for part in found:
-            parts.setdefault(part.table, part)
+        found.append(of_file)
+    parts, left_out = _chosen(found)
     if "imu" not in parts:
         raise InputError(f"{', '.join(map(str, files))}: none has an IMU")
     ordered = [parts[table] for table in TABLES if table in parts]
@@ -94,11 +95,27 @@ def draft(files: Sequence[Path], folder: Path) -> tuple[str, list[str]]:
     for table in ("gnss", "body_velocity"):
         if table in parts:
             parts[table].entries["lever_arm"] = LEVER_ARM
-    return _text(ordered, folder), [
+    return _text(ordered, left_out, folder), left_out + [
         f"{part.table}.{key} = {_toml(guess.value)}: {guess.why}"
         for part in ordered
         for key, guess in part.entries.items()
     ]
+
+
+def _chosen(files: list[list[Part]]) -> tuple[dict[str, Part], list[str]]:
+    """One part of each table, and a sentence on each that is left out.
+
+    Of several, an aid of a file of its own: receivers know better than what an IMU copied of them.
+    """
+    parts: dict[str, Part] = {}
+    left_out = []
+    for of_file in sorted(files, key=lambda of_file: any(part.table == "imu" for part in of_file)):
+        for part in of_file:
+            if taken := parts.get(part.table):
+                left_out.append(f"{part.table} of {part.path.name}: left out, {taken.path.name} has it too")
+            else:
+                parts[part.table] = part
+    return parts, left_out
 
 
 def _parts(path: Path) -> list[Part]:
@@ -138,7 +155,8 @@ def _single(names: tuple[str, ...]) -> object:
 def _guess_clocks(parts: list[Part]) -> None:
     """Clocks of the tables whose files do not say them: by size, by name, so that spans and turns agree."""
     for part in parts:
-        if part.clock is Clock.OWN and (guess := guesses.dated(part.path, part.stamps(), _time_name(part))):
+        counted = part.clock is Clock.OWN or "units.time" in part.entries
+        if counted and (guess := guesses.dated(part.path, part.stamps(), _time_name(part))):
             part.entries["clock"] = guess
     named = next((part for part in parts if part.clock.dated), None)
     for part in parts:
@@ -198,8 +216,9 @@ def _guess_axes(imu: Part, gnss: Part | None) -> None:
         return
     table, forward = _increments(imu), None
     if gnss is not None and (gnss.clock is Clock.OWN) == (imu.clock is Clock.OWN):
-        time, of_fixes = clocks.on_one_clock([imu.stamps(), gnss.stamps()])
-        forward = ahead.find(replace(table, time=time), replace(gnss.rows, time=of_fixes))
+        with suppress(InputError):  # of spans that do not overlap, which loading the description tells
+            time, of_fixes = clocks.on_one_clock([imu.stamps(), gnss.stamps()])
+            forward = ahead.find(replace(table, time=time), replace(gnss.rows, time=of_fixes))
     imu.entries["axes"] = guesses.axes(forces.mean_direction(table), forward)
 
 
@@ -209,9 +228,10 @@ def _increments(imu: Part) -> ImuTable:
     return ImuTable(imu.rows.time, imu.rows.angular * covers[:, None], imu.rows.force * covers[:, None])
 
 
-def _text(parts: list[Part], folder: Path) -> str:
+def _text(parts: list[Part], left_out: list[str], folder: Path) -> str:
     files = ", ".join(dict.fromkeys(part.path.name for part in parts))
-    lines = [f"# Drafted by `truenorth import` from {files}. Each guess says why; mend what is wrong.", ""]
+    lines = [f"# Drafted by `truenorth import` from {files}. Each guess says why; mend what is wrong."]
+    lines += [*(f"# {sentence}" for sentence in left_out), ""]
     imu = parts[0]
     for part in parts:
         lines.append(f"[{part.table}]")

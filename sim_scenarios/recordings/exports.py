@@ -1,7 +1,7 @@
 """The result of a replay for other programs: CSV, GPX, KML, RTKLIB's .pos.
 
-Times are seconds of the recording's own clock; a .pos file has them as weeks and seconds of GPS time, a GPX
-file has none, for it would have to know the date.
+Times are seconds of the recording's own clock. A .pos file has them as weeks and seconds of GPS time, or,
+where the recording does not tell the date, from week 0 on, and says so; a GPX file has none.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios.recordings import track
+from sim_scenarios.recordings.readers.gps_time import WEEK
 from sim_scenarios.stepping import Choice
 from sim_scenarios.units import DEGREE
 
 Array = NDArray[np.float64]
 
-WEEK: Final = 604800.0  # s
 FLOAT: Final = 2
 """RTKLIB's quality of a solution that is not fixed to whole wavelengths."""
 
@@ -101,7 +101,7 @@ def _kml(run: xr.Dataset) -> str:
 
 def _pos(run: xr.Dataset) -> str:
     """Columns of RTKLIB 2.4 with velocities; standard deviations north, east, up, without covariances."""
-    week, second = np.divmod(run["time"].values, WEEK)
+    week, second = np.divmod(run.attrs.get("epoch", 0.0) + run["time"].values, WEEK)
     latitude, longitude, height = track.positions(run).T
     east, north, up = run["nav.velocity"].values.T
     sigma, velocity_sigma = (run[f"{name}_sigma"].values[:, [1, 0, 2]].T for name in ("position", "velocity"))
@@ -123,8 +123,10 @@ def _pos(run: xr.Dataset) -> str:
         "%  GPST latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m) sdne(m) sdeu(m) sdun(m) "
         "age(s) ratio vn(m/s) ve(m/s) vu(m/s) sdvn sdve sdvu sdvne sdveu sdvun"
     )
-    head = ["% program   : TrueNorth", f"% inp file  : {run.attrs['recording']}", names]
-    return "\n".join([*head, *(line % tuple(row) for row in rows)]) + "\n"
+    head = ["% program   : TrueNorth", f"% inp file  : {run.attrs['recording']}"]
+    if "epoch" not in run.attrs:
+        head.append("% date      : not known; seconds of the recording's own clock, from week 0 on")
+    return "\n".join([*head, names, *(line % tuple(row) for row in rows)]) + "\n"
 
 
 def _vector(name: str, unit: str, values: Array) -> dict[str, Array]:

@@ -7,7 +7,8 @@ Stamps go to the filter as they are: recordings with a date count from midnight,
 are resolved to 0.2 us, a fifth of what filters take for the same moment. To subtract a base would bring
 nothing back. One thing apart: a filter takes a step half as long again as the one before for a gap, unless
 the force says that the increment covers it. Increments of a steady sensor that were stamped late now and then
-would so be taken for what is left after lost ones; their stamps are moved onto the sensor's own clock.
+would so be taken for what is left after lost ones; their stamps are moved onto the sensor's own clock, unless
+they follow none.
 """
 
 from __future__ import annotations
@@ -70,13 +71,9 @@ def feed(recording: Recording, begin: float | None = None) -> Feed:
     InputError
         When fewer than two samples are left, or more than a filter counts.
     """
-    imu = recording.imu
-    remark = ""
+    imu, remark = recording.imu, ""
     if _pass_for_lost(imu):
-        steady = stamps.on_a_steady_clock(imu.time)
-        moved = float(np.max(np.abs(steady - imu.time)))
-        remark = f"Stamps of the IMU were moved onto its own steady clock, by {1e3 * moved:.3g} ms at most."
-        imu = replace(imu, time=steady)
+        imu, remark = _on_its_own_clock(imu)
     start = before_first(imu) if begin is None else begin
     fed = imu.time > start
     clock = np.concatenate(([start], imu.time[fed]))
@@ -101,6 +98,17 @@ def feed(recording: Recording, begin: float | None = None) -> Feed:
 def before_first(imu: ImuTable) -> float:
     """Where the interval of the first sample begins, as far as the others tell [s]."""
     return float(imu.time[0] - stamps.period(imu.time))
+
+
+def _on_its_own_clock(imu: ImuTable) -> tuple[ImuTable, str]:
+    """An IMU with steady stamps, and what was done; as it is if no steady clock is behind its stamps."""
+    try:
+        steady = stamps.on_a_steady_clock(imu.time)
+    except InputError as error:
+        return imu, f"Stamps of the IMU may pass for lost samples, and stay as recorded: {error}."
+    moved = 1e3 * float(np.max(np.abs(steady - imu.time)))
+    remark = f"Stamps of the IMU were moved onto its own steady clock, by {moved:.3g} ms at most."
+    return replace(imu, time=steady), remark
 
 
 def _pass_for_lost(imu: ImuTable) -> bool:

@@ -18,6 +18,24 @@ def selected(fixes: FixTable, rows: NDArray[np.bool_]) -> FixTable:
     return replace(fixes, **{name: values[rows] for name, values in vars(fixes).items()})
 
 
+def is_whole(fixes: FixTable) -> NDArray[np.bool_]:
+    """Whether position and velocity of each fix were measured, all three components, shape (n,)."""
+    measured = np.isfinite(np.hstack((fixes.position, fixes.velocity)))
+    return np.asarray(measured.all(axis=1))
+
+
+def before_the_first(fixes: FixTable) -> NDArray[np.bool_]:
+    """Whether each fix is what receivers write until they have one, shape (n,).
+
+    At latitude 0, longitude 0 exactly, before the first position elsewhere; where there is none, no fix is.
+    """
+    elsewhere = np.flatnonzero((np.nan_to_num(fixes.position[:, :2]) != 0).any(axis=1))
+    first = elsewhere[0] if len(elsewhere) else 0
+    nowhere = np.asarray((fixes.position[:, :2] == 0).all(axis=1))
+    nowhere[first:] = False
+    return nowhere
+
+
 def velocities(fixes: FixTable) -> Array:
     """Velocity at each fix, east, north, up [m/s], shape (n, 3).
 

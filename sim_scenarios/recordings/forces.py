@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim_scenarios.recordings import stamps
 from sim_scenarios.recordings.tables import Array, ImuTable
@@ -36,11 +37,9 @@ class Tilts:
 
 def of_unit(imu: ImuTable) -> str:
     """What is wrong with the size of the increments; empty if nothing is."""
-    size = np.linalg.norm(imu.delta_velocity, axis=1)
-    known = np.isfinite(size)
-    if not known.any():
+    mean, period = mean_size(imu.delta_velocity, imu.time), stamps.period(imu.time)
+    if np.isnan(mean):
         return "no sample has a delta velocity"
-    mean, period = float(size[known].mean()), stamps.period(imu.time)
     low, high = STANDARD_GRAVITY / 2, STANDARD_GRAVITY * 2
     force = mean / period
     if low < force < high:
@@ -64,6 +63,23 @@ def of_unit(imu: ImuTable) -> str:
     )
 
 
+def mean_size(force: Array, time: Array) -> float:
+    """Mean size of a force that vibrates: of its means over a second, shape (n, 3); nan if none is known."""
+    blocks = _blocks(force, time)
+    known: NDArray[np.bool_] = np.isfinite(blocks).all(axis=2)
+    count = known.sum(axis=1)
+    total = np.where(known[:, :, None], blocks, 0.0).sum(axis=1)[count > 0]
+    sizes = np.linalg.norm(total / count[count > 0, None], axis=1)
+    return float(sizes.mean()) if len(sizes) else np.nan
+
+
+def _blocks(values: Array, time: Array) -> Array:
+    """Vectors by whole seconds, shape (count, rows, 3); of less than a second all."""
+    rows = min(max(round(BLOCK / stamps.period(time)), 1), len(time))
+    count = len(time) // rows
+    return values[: rows * count].reshape(count, rows, 3)
+
+
 def mean_direction(imu: ImuTable) -> Array:
     """Direction of the mean specific force, right, forward, up, shape (3,)."""
     mean: Array = np.nanmean(imu.delta_velocity, axis=0)
@@ -77,13 +93,12 @@ def tilts(imu: ImuTable) -> Tilts:
     With u the direction of the force, u' = u x w where a body turns at w and does not accelerate; constant
     parts of w, as a gyro's bias, do not count.
     """
-    rows = max(round(BLOCK / stamps.period(imu.time)), 1)
-    count = len(imu.time) // rows
-    if count < 3:
+    force, angle = (
+        _blocks(np.nan_to_num(values), imu.time).sum(axis=1)
+        for values in (imu.delta_velocity, imu.delta_angle)
+    )
+    if len(force) < 3:
         return Tilts(1.0, 0.0, 0.0)
-    blocks = slice(0, rows * count)
-    force = np.nan_to_num(imu.delta_velocity[blocks]).reshape(count, rows, 3).sum(axis=1)
-    angle = np.nan_to_num(imu.delta_angle[blocks]).reshape(count, rows, 3).sum(axis=1)
     angle -= np.median(angle, axis=0)
     size = np.linalg.norm(force, axis=1, keepdims=True)
     u = force / np.where(size > 0, size, 1.0)

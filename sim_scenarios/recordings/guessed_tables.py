@@ -145,7 +145,7 @@ def _imu(sheet: Sheet, columns: Columns) -> Told:
     _, first = np.unique(read.time[order], return_index=True)
     rows = order[first]
     period = stamps.period(read.time[rows])
-    mean = float(np.nanmean(np.linalg.norm(read.force, axis=1)))
+    mean = forces.mean_size(read.force[rows], read.time[rows])
     force = _force(columns["force"][0], mean, period)
     increments = of.measures(force.value, of.DELTA_VELOCITY)
     raw = ImuTable(

@@ -12,7 +12,9 @@ import numpy as np
 
 from sim_scenarios.recordings import axes as of_axes
 from sim_scenarios.recordings.ahead import Ahead
-from sim_scenarios.recordings.clocks import GPS_BEGINS, Clock, Stamps
+from sim_scenarios.recordings.clocks import Stamps
+from sim_scenarios.recordings.readers.contents import Clock
+from sim_scenarios.recordings.readers.gps_time import SINCE_1970
 from sim_scenarios.recordings.tables import Array
 
 SLOWEST_DATED: Final = 5e8  # s, a clock that counts since 1970 or 1980
@@ -27,11 +29,15 @@ class Guess:
 
 
 def dated(path: Path, given: Stamps, name: str) -> Guess | None:
-    """Clock of stamps that are as large as those since 1970 or 1980."""
+    """Clock of stamps that are dates, or as large as those since 1970 or 1980."""
+    if given.clock is Clock.UNIX:
+        if "gps" in name:
+            return Guess(Clock.GPS.value, f"check: the dates of {name} may be GPS time (gps) or UTC (unix)")
+        return Guess(Clock.UNIX.value, "check: the dates may be UTC (unix) or GPS time (gps)")
     first = given.epoch + float(given.time[0])
     if first < SLOWEST_DATED:
         return None
-    if first + GPS_BEGINS > now() or "unix" in name:
+    if first + SINCE_1970 > now() or "unix" in name:
         return Guess(Clock.UNIX.value, f"{first:.10g} s since 1980 would be in the future")
     clock = Clock.GPS if "gps" in name or "gps" in path.name.casefold() else Clock.UNIX
     return Guess(clock.value, f"check: {first:.10g} s may count since 1970 (unix) or 1980 (gps)")

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings import clocks, stamps
-from sim_scenarios.recordings.clocks import Clock
+from sim_scenarios.recordings.readers.contents import Clock
+from sim_scenarios.recordings.readers.gps_time import DAY, WEEK
 from sim_scenarios.recordings.sources import StampsAre
 from sim_scenarios.recordings.tables import Array
 
@@ -88,9 +89,9 @@ def in_order(
 def _remedy(back: float) -> str:
     if back == 0:
         return "; if all rows are there and their stamps are coarse, say stamps = 'steady'"
-    if abs(back - clocks.WEEK) < NEAR:
+    if abs(back - WEEK) < NEAR:
         return "; if these are seconds of the week, say clock = 'gps-week'"
-    if abs(back - clocks.DAY) < NEAR:
+    if abs(back - DAY) < NEAR:
         return "; if these are seconds of the day, say clock = 'gps-day' or 'utc-day'"
     return "; if rows were written out of order, say stamps = 'sorted'"
 

@@ -14,8 +14,11 @@ from sim_scenarios.attitude import dcm
 from sim_scenarios.cosimulation import Columns
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings import clocks
-from sim_scenarios.recordings.clocks import CLOCK_OF_READER, Clock, Stamps
+from sim_scenarios.recordings.clocks import Stamps
+from sim_scenarios.recordings.order import in_order
 from sim_scenarios.recordings.readers import formats
+from sim_scenarios.recordings.readers.contents import Clock
+from sim_scenarios.recordings.sources import StampsAre
 from sim_scenarios.recordings.tables import Recording, ReferenceTable
 
 Array = NDArray[np.float64]
@@ -24,25 +27,32 @@ LONGEST: Final = 3.0
 """Steps of usual length across which a reference is interpolated."""
 
 
-def of_file(path: Path, recording: Recording) -> ReferenceTable:
-    """Reference of a file that a reader recognises, on the clock of a recording.
+def of_file(path: Path, recording: Recording) -> tuple[ReferenceTable, list[str]]:
+    """Reference of a file that a reader recognises, on the clock of a recording, and remarks on it.
 
-    Stamps with a date go with a recording that counts seconds of the day in GPS time, as those of dated files
-    do; stamps without one are taken for the recording's.
+    Stamps with a date go with those of a recording that tells its own, and otherwise with seconds of the day
+    in GPS time; stamps without one are taken for the recording's.
 
     Raises
     ------
     InputError
-        If the file has no reference, or none of the recording's time.
+        If the file has no reference, its stamps do not increase, or none is of the recording's time.
     """
     contents = formats.read(path)
-    found = contents.reference
-    if found is None:
+    if contents.reference is None:
         raise InputError(f"{path}: has no reference: neither an attitude nor a solution of somebody else")
-    clock = CLOCK_OF_READER[contents.clock]
+    clock = contents.clock
+    found, remarks = in_order(
+        contents.reference,
+        clock,
+        StampsAre.RECORDED,
+        lambda row: f"{path}: {contents.place('reference', row)}",
+    )
     beside = Stamps(recording.name, Clock.GPS_DAY if clock.dated else clock, 0.0, recording.imu.time)
+    if clock.dated and recording.epoch is not None:
+        beside = replace(beside, clock=Clock.GPS, epoch=recording.epoch)
     own, time = clocks.on_one_clock([beside, Stamps(str(path), clock, contents.epoch, found.time)])
-    return replace(found, time=time - (own[0] - recording.imu.time[0]))
+    return replace(found, time=time - (own[0] - recording.imu.time[0])), remarks
 
 
 def at(reference: ReferenceTable, time: Array) -> Columns:

@@ -26,7 +26,7 @@ from sim_scenarios.cosimulation import (
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, Fmu, Fmus, Number, did_you_mean
 from sim_scenarios.instance import Instance
-from sim_scenarios.recordings import fixes
+from sim_scenarios.recordings import checks, fixes
 from sim_scenarios.recordings import reference as references
 from sim_scenarios.recordings.description import load
 from sim_scenarios.recordings.feed import Feed, feed
@@ -50,6 +50,10 @@ ANY_HEADING: Final[Mapping[str, object]] = {
     "corrector": "standard",
 }
 """An AlignmentFilter that needs no heading to start from."""
+NO_COARSE_STAGE: Final = (
+    "no fix has both position and velocity whole, as the coarse stage needs: the alignment begins without it "
+    "(coarse.enabled = false)"
+)
 
 
 class Filter(Choice):
@@ -95,7 +99,7 @@ def replay(
     set : mapping, optional
         Parameters by name, in SI units or with a unit. Of an alignment before navigation, those of
         AlignmentFilter begin with `alignment.`, those of NavigationFilter with `filter.`; without either they
-        are for both where both have them.
+        are for both where both have them. By default an alignment has no coarse stage where no fix is whole.
     progress : callable
         Called with the completed share.
     fmus : Fmus, optional
@@ -105,7 +109,8 @@ def replay(
     -------
     xarray.Dataset
         As that of `sim_scenarios.run`. Besides, over the dimension `receiver` the fixes of the recording,
-        over `outage` begin and end of the outages, and the `lever_arm` (axis3). A reference is the truth.
+        over `outage` begin and end of the outages, and the `lever_arm` (axis3). A reference is the truth. The
+        attribute `epoch` is that of the recording, where its date is known.
 
     Raises
     ------
@@ -118,16 +123,17 @@ def replay(
     if zero_velocity is not None:
         recording = changed(recording, gnss=zero_velocity.fixes(recording.imu))
     if reference is not None:
-        recording = changed(recording, reference=references.of_file(Path(reference), recording))
+        told, on_reference = references.of_file(Path(reference), recording)
+        recording = changed(recording, reference=told, remarks=(*recording.remarks, *on_reference))
     begun = beginning(recording, start)
     parts = _parts(task, fmus)
-    values = _values(parts, recording, begun, set or {})
+    values, without_coarse_stage = _values(parts, recording, begun, set or {})
     fed = feed(recording, begun.time)
     windows = outages.windows(begun.time, float(fed.time[-1])) if outages else np.empty((0, 2))
     if recording.gnss is not None and len(windows):
         received = fixes.selected(recording.gnss, ~within(recording.gnss.time, windows))
         fed = feed(changed(recording, gnss=received), begun.time)
-    remarks = [remark for remark in (*recording.remarks, fed.remark) if remark]
+    remarks = [remark for remark in (*checks.doubts(recording), fed.remark, without_coarse_stage) if remark]
     data, said = _run(parts, values, fed, recording.reference, fmus, progress)
     data = _with_receiver(data, recording.gnss, fed, windows)
     arm = [values["filter"].get(f"gnss.lever_arm[{i}]", 0.0) for i in (1, 2, 3)]
@@ -151,6 +157,7 @@ def replay(
             }
         ),
         "messages": json.dumps([f"{recording.name}: {remark}" for remark in remarks] + said),
+        **({} if recording.epoch is None else {"epoch": recording.epoch}),
     }
     return data
 
@@ -165,8 +172,8 @@ def _parts(task: Filter, fmus: Fmus) -> dict[str, Fmu]:
 
 def _values(
     parts: Mapping[str, Fmu], recording: Recording, begun: Beginning, settings: Mapping[str, object]
-) -> Values:
-    """Parameters of the filters: what the recording tells, then the user's settings."""
+) -> tuple[Values, str]:
+    """Parameters of the filters: what the recording tells, then the user's settings; and a remark or none."""
     told: Values = {part: {} for part in parts}
     for name, value in settings.items():
         owners, parameter = _owners(name, parts)
@@ -191,7 +198,20 @@ def _values(
             "fixes at a position"
         )
     _check_models(parts, values, begun)
-    return values
+    if not _begins_coarsely(fmu, values[first]) or "coarse.enabled" in told[first]:
+        return values, ""
+    if recording.gnss is not None and fixes.is_whole(recording.gnss).any():
+        return values, ""
+    values[first] |= fmu.assignments("coarse.enabled", False)
+    return values, NO_COARSE_STAGE
+
+
+def _begins_coarsely(fmu: Fmu, values: Mapping[str, Number]) -> bool:
+    """Whether a filter has a coarse stage, which takes whole fixes alone."""
+    if fmu.name != ALIGNMENT_FILTER:
+        return False
+    model = values.get("error_model", fmu.start("error_model"))
+    return model == fmu.variables["error_model"].items["invariant"]
 
 
 def _owners(name: str, parts: Mapping[str, Fmu]) -> tuple[list[str], str]:

@@ -42,8 +42,8 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
 from sim_scenarios.names import Text
 from sim_scenarios.recordings import units as of
-from sim_scenarios.recordings.clocks import Clock
 from sim_scenarios.recordings.readers import layouts
+from sim_scenarios.recordings.readers.contents import Clock
 
 Vector = tuple[float, float, float]
 

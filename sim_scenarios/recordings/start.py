@@ -25,7 +25,7 @@ from sim_scenarios.fmus import Number
 from sim_scenarios.recordings import stamps
 from sim_scenarios.recordings.feed import SAME_MOMENT, before_first
 from sim_scenarios.recordings.fixes import velocities
-from sim_scenarios.recordings.tables import Recording
+from sim_scenarios.recordings.tables import FixTable, ImuTable, Recording
 from sim_scenarios.units import DEGREE, STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
@@ -36,6 +36,8 @@ ROUGH: Final = 10.0 * DEGREE
 """Sigma of a heading that somebody told without its sigma [rad]."""
 TILT_ON_COURSE: Final = 3.0 * DEGREE
 """Sigma of roll and pitch levelled while the vehicle accelerates [rad]."""
+WAIT: Final = 5.0
+"""Time after the first sample until which the first fix still tells where that was [s]."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +51,11 @@ class Start:
     heading_sigma : float or None
         [rad]; None: 10 deg of a heading that is told or a course, else that of the aid, or of no knowledge.
     levelling : float
-        Seconds whose mean specific force gives roll and pitch: the first ones, or the last before the course.
+        Seconds whose mean specific force gives roll and pitch: the first ones, or the last before a fix to
+        start at.
     position : tuple of float or None
-        Latitude [deg], longitude [deg], height [m] of the IMU; None: where the first fix has it.
+        Latitude [deg], longitude [deg], height [m] of the IMU; None: where the first fix has it, and the
+        start is at that fix if it comes more than 5 s after the first sample.
     course_above : float or None
         Start at the first fix whose horizontal speed is at least this [m/s], with its course for heading.
     """
@@ -103,22 +107,28 @@ def beginning(recording: Recording, start: Start) -> Beginning:
     Raises
     ------
     InputError
-        When no fix is as fast as the course needs, or levelling covers no sample.
+        When no fix is as fast as the course needs, or levelling covers no sample with a force.
     """
     if start.course_above is not None:
         return _on_course(recording, start, start.course_above)
-    time = before_first(recording.imu)
-    roll, pitch = level(_mean_force(recording, time, start.levelling))
-    heading, sigma, words = _heading(recording, start)
+    imu, gnss = recording.imu, recording.gnss
+    time = before_first(imu)
+    levelled_from, waited = time, ""
+    first = _first_fix(gnss, time)
+    if start.position is None and time + WAIT < first < imu.time[-1]:
+        time = _sample_at(imu, first)
+        levelled_from = max(levelled_from, time - start.levelling)
+        waited = f", at {time:.10g} s, where the first fix is"
+    roll, pitch = level(_mean_force(recording, levelled_from, start.levelling))
+    heading, sigma, words = _heading(recording, start, time)
     angles = roll, pitch, heading
-    gnss = recording.gnss
     if gnss is None or not len(gnss.time):
         velocity, antenna = np.zeros(3), np.full(3, np.nan)
     else:
         since = gnss.time >= time - SAME_MOMENT
         velocity, antenna = (_first_finite(values[since]) for values in (gnss.velocity, gnss.position))
     values: dict[str, Number] = {**_values(angles, velocity, start.position, antenna, recording)}
-    return Beginning(time, sigma < UNKNOWN, {**values, "prior.heading_sigma": sigma}, words)
+    return Beginning(time, sigma < UNKNOWN, {**values, "prior.heading_sigma": sigma}, words + waited)
 
 
 def level(force: Array, acceleration: Array | None = None) -> tuple[float, float]:
@@ -159,8 +169,7 @@ def _on_course(recording: Recording, start: Start, limit: float) -> Beginning:
             f"{np.max(speed[placed], initial=0.0):.3g} m/s"
         )
     fix = int(fast[0])
-    row = int(np.searchsorted(stamp, gnss.time[fix] + SAME_MOMENT, side="right")) - 1
-    time = float(stamp[max(row, 0)])
+    time = _sample_at(recording.imu, float(gnss.time[fix]))
     heading = float(np.arctan2(velocity[fix, 0], velocity[fix, 1]))
     known = np.isfinite(velocity).all(axis=1)
     at = np.array([time - start.levelling, time])
@@ -177,16 +186,35 @@ def _on_course(recording: Recording, start: Start, limit: float) -> Beginning:
     return Beginning(time, True, {**values, **priors}, words)
 
 
-def _heading(recording: Recording, start: Start) -> tuple[float, float, str]:
-    """Heading and sigma [rad], and a sentence."""
+def _sample_at(imu: ImuTable, time: float) -> float:
+    """Stamp of the last sample until a time; of the first if there is none [s]."""
+    row = int(np.searchsorted(imu.time, time + SAME_MOMENT, side="right")) - 1
+    return float(imu.time[max(row, 0)])
+
+
+def _first_fix(gnss: FixTable | None, since: float) -> float:
+    """Time of the first fix with a position, or with a velocity where none has one [s]; else infinite."""
+    if gnss is None:
+        return np.inf
+    later = gnss.time >= since - SAME_MOMENT
+    for values in (gnss.position, gnss.velocity):
+        known = np.flatnonzero(later & np.isfinite(values).any(axis=1))
+        if len(known):
+            return float(gnss.time[known[0]])
+    return np.inf
+
+
+def _heading(recording: Recording, start: Start, time: float) -> tuple[float, float, str]:
+    """Heading and sigma at the start [rad], and a sentence."""
     compass = recording.heading_aid
     if start.heading is not None:
         sigma = ROUGH if start.heading_sigma is None else start.heading_sigma
         return start.heading, sigma, f"started at a heading of {start.heading / DEGREE:.6g} deg"
     if compass is not None and len(compass.time):
-        told = float(compass.sigma[0]) or ROUGH
+        row = min(int(np.searchsorted(compass.time, time - SAME_MOMENT)), len(compass.time) - 1)
+        told = float(compass.sigma[row]) or ROUGH
         heading, sigma = (
-            float(compass.heading[0]),
+            float(compass.heading[row]),
             told if start.heading_sigma is None else start.heading_sigma,
         )
         return heading, sigma, f"started at the heading of its aid, {heading / DEGREE:.6g} deg"
@@ -200,7 +228,14 @@ def _mean_force(recording: Recording, begin: float, span: float) -> Array:
     inside = (imu.time > begin + period / 2) & (imu.time < begin + span + period / 2)
     if span <= 0 or not inside.any():
         raise InputError(f"levelling = {span:g} s: must cover at least one sample ({period:g} s)")
-    mean: Array = np.mean(imu.delta_velocity[inside], axis=0) / period
+    increments = imu.delta_velocity[inside]
+    known = np.isfinite(increments).all(axis=1)
+    if not known.any():
+        raise InputError(
+            f"levelling = {span:g} s: no sample from {begin:.10g} s to {begin + span:.10g} s has a delta "
+            "velocity"
+        )
+    mean: Array = np.mean(increments[known], axis=0) / period
     return mean
 
 

@@ -62,7 +62,7 @@ class Stretch:
 
 
 def between(recording: Recording, begin: float | None, end: float | None) -> Stretch:
-    """The samples from one time to another [s]; InputError if they are few or have a gap."""
+    """The samples from one time to another [s]; InputError if they are few, have a gap or are no numbers."""
     time = recording.imu.time
     first, last = (time[0] if begin is None else begin), (time[-1] if end is None else end)
     rows = slice(int(np.searchsorted(time, first)), int(np.searchsorted(time, last, side="right")))
@@ -78,7 +78,15 @@ def between(recording: Recording, begin: float | None, end: float | None) -> Str
             f"{recording.name}: the IMU samples have a gap before {time[rows][broken[0]]:g} s; choose a "
             "stretch without"
         )
-    return Stretch.of(recording.imu, rows)
+    stretch = Stretch.of(recording.imu, rows)
+    increments = np.hstack([stretch.imu.delta_angle, stretch.imu.delta_velocity])
+    unknown = np.flatnonzero(~np.isfinite(increments).all(axis=1))
+    if len(unknown):
+        raise InputError(
+            f"{recording.name}: the IMU sample at {stretch.imu.time[unknown[0]]:g} s is not a number; choose "
+            "a stretch without"
+        )
+    return stretch
 
 
 def longest_standing(recording: Recording) -> Stretch | None:
@@ -91,8 +99,12 @@ def longest_standing(recording: Recording) -> Stretch | None:
         return None
     rows = count * size
     rates = np.hstack([imu.delta_angle, imu.delta_velocity])[:rows].reshape(count, size, 6) / period
+    whole = np.isfinite(rates).all(axis=(1, 2))
+    if not whole.any():
+        return None
+    rates[~whole] = np.nan  # infinite values would warn
     scatter = rates.std(axis=1)
-    quiet = np.percentile(scatter, QUIET, axis=0)
+    quiet = np.percentile(scatter[whole], QUIET, axis=0)
     calm = np.all(scatter <= LOUDER * np.maximum(quiet, np.finfo(float).tiny), axis=1)
     turn = rates[:, :, :3].mean(axis=1)
     if calm.any():

@@ -112,5 +112,7 @@ class Recording:
     height_aid: HeightTable | None = None
     reference: ReferenceTable | None = None
     lever_arms: LeverArms = field(default_factory=LeverArms)
+    epoch: float | None = None
+    """GPS time from which all stamps count [s since 1980-01-06]; None: no table tells the date."""
     remarks: tuple[str, ...] = ()
     """Sentences on what was left out or changed when it was read."""

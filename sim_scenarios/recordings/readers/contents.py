@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
+from sim_scenarios.recordings.readers.gps_time import DAY, WEEK
 from sim_scenarios.recordings.tables import (
     Array,
     BodyVelocityTable,
@@ -17,14 +18,27 @@ from sim_scenarios.recordings.tables import (
 
 
 class Clock(Enum):
-    """From when the stamps of a file count."""
+    """From when stamps count, as a file or its description says it."""
 
     GPS = "gps"
     """Seconds since 1980-01-06, without leap seconds."""
     UNIX = "unix"
     """Seconds since 1970-01-01, UTC."""
+    GPS_WEEK = "gps-week"
+    GPS_DAY = "gps-day"
+    UTC_DAY = "utc-day"
     OWN = "own"
     """Seconds since something that the file does not say, or of a day or week that it does not name."""
+
+    @property
+    def dated(self) -> bool:
+        """Whether a stamp says the date."""
+        return self in (Clock.GPS, Clock.UNIX)
+
+    @property
+    def repeats(self) -> float:
+        """After how many seconds a stamp comes again; 0: never."""
+        return {Clock.GPS_WEEK: WEEK, Clock.GPS_DAY: DAY, Clock.UTC_DAY: DAY}.get(self, 0.0)
 
 
 class Axes(Enum):

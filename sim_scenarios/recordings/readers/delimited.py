@@ -6,6 +6,7 @@ What is empty has not been measured; a row in which an aid has nothing is none o
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -30,7 +31,7 @@ from sim_scenarios.recordings.readers.layouts import (
     Three,
 )
 from sim_scenarios.recordings.readers.sheets import Sheet
-from sim_scenarios.recordings.readers.time_columns import Stamped, stamps
+from sim_scenarios.recordings.readers.time_columns import stamps
 from sim_scenarios.recordings.tables import (
     Array,
     BodyVelocityTable,
@@ -62,7 +63,7 @@ def imu(sheet: Sheet, columns: ImuColumns, units: ImuUnits) -> Contents:
         force=_matrix(sheet, columns.force) * force,
         increments=not rates,
     )
-    return Contents(epoch=stamped.epoch, imu=table, place=_places(sheet, np.arange(len(table.time))))
+    return Contents(stamped.clock, stamped.epoch, imu=table, place=_places(sheet, np.arange(len(table.time))))
 
 
 def gnss(sheet: Sheet, columns: GnssColumns, units: GnssUnits) -> Contents:
@@ -75,7 +76,7 @@ def gnss(sheet: Sheet, columns: GnssColumns, units: GnssUnits) -> Contents:
     remarks: tuple[str, ...] = ()
     if len(new) < len(rows):
         remarks = (f"{sheet.path}: fixes are held from one to the next: {len(new)} of {len(rows)} are new",)
-        rows, stamped = rows[new], Stamped(stamped.epoch, stamped.time[new])
+        rows, stamped = rows[new], replace(stamped, time=stamped.time[new])
     table = FixTable(
         stamped.time,
         position[rows],
@@ -83,7 +84,7 @@ def gnss(sheet: Sheet, columns: GnssColumns, units: GnssUnits) -> Contents:
         _sigma(sheet, columns.position_sigma, units.position_sigma, of.LENGTH)[rows],
         _sigma(sheet, columns.velocity_sigma, units.velocity_sigma, of.VELOCITY)[rows],
     )
-    return Contents(epoch=stamped.epoch, gnss=table, place=_places(sheet, rows), remarks=remarks)
+    return Contents(stamped.clock, stamped.epoch, gnss=table, place=_places(sheet, rows), remarks=remarks)
 
 
 def body_velocity(sheet: Sheet, columns: BodyVelocityColumns, units: BodyVelocityUnits) -> Contents:
@@ -93,7 +94,7 @@ def body_velocity(sheet: Sheet, columns: BodyVelocityColumns, units: BodyVelocit
     stamped = stamps(sheet, columns.time, units.time, rows)
     sigma = _sigma(sheet, columns.sigma, units.sigma, of.VELOCITY)
     table = BodyVelocityTable(stamped.time, velocity[rows], sigma[rows])
-    return Contents(epoch=stamped.epoch, body_velocity=table, place=_places(sheet, rows))
+    return Contents(stamped.clock, stamped.epoch, body_velocity=table, place=_places(sheet, rows))
 
 
 def heading(sheet: Sheet, columns: HeadingColumns, units: HeadingUnits) -> Contents:
@@ -103,7 +104,7 @@ def heading(sheet: Sheet, columns: HeadingColumns, units: HeadingUnits) -> Conte
     stamped = stamps(sheet, columns.time, units.time, rows)
     sigma = _sigma(sheet, (columns.sigma,), units.sigma, of.ANGLE)
     table = HeadingTable(stamped.time, values[rows], sigma[rows, 0])
-    return Contents(epoch=stamped.epoch, heading_aid=table, place=_places(sheet, rows))
+    return Contents(stamped.clock, stamped.epoch, heading_aid=table, place=_places(sheet, rows))
 
 
 def height(sheet: Sheet, columns: HeightColumns, units: HeightUnits) -> Contents:
@@ -113,7 +114,7 @@ def height(sheet: Sheet, columns: HeightColumns, units: HeightUnits) -> Contents
     stamped = stamps(sheet, columns.time, units.time, rows)
     sigma = _sigma(sheet, (columns.sigma,), units.sigma, of.LENGTH)
     table = HeightTable(stamped.time, values[rows], sigma[rows, 0])
-    return Contents(epoch=stamped.epoch, height_aid=table, place=_places(sheet, rows))
+    return Contents(stamped.clock, stamped.epoch, height_aid=table, place=_places(sheet, rows))
 
 
 def reference(sheet: Sheet, columns: ReferenceColumns, units: ReferenceUnits) -> Contents:
@@ -124,7 +125,7 @@ def reference(sheet: Sheet, columns: ReferenceColumns, units: ReferenceUnits) ->
     rows = _measured(sheet, "reference", attitude, position, velocity)
     stamped = stamps(sheet, columns.time, units.time, rows)
     table = ReferenceTable(stamped.time, attitude[rows], position[rows], velocity[rows])
-    return Contents(epoch=stamped.epoch, reference=table, place=_places(sheet, rows))
+    return Contents(stamped.clock, stamped.epoch, reference=table, place=_places(sheet, rows))
 
 
 def _matrix(sheet: Sheet, columns: Sequence[str]) -> Array:

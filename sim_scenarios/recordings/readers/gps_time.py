@@ -8,6 +8,8 @@ from typing import Final
 WEEK: Final = 604800.0  # s
 DAY: Final = 86400.0  # s
 EPOCH: Final = datetime(1980, 1, 6)
+SINCE_1970: Final = (EPOCH - datetime(1970, 1, 1)).total_seconds()
+"""Their beginning on the clock of Unix [s]."""
 
 
 def week_at(date: datetime, of_week: float) -> int:

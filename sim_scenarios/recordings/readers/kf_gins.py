@@ -8,7 +8,8 @@
     reference   11 columns   week, second of the week, latitude, longitude [deg], height [m], velocity
                              north, east, down [m/s], roll, pitch, yaw [deg]
 
-An IMU file is one in which the last three columns over the time step are the size of gravity. No week is told
+An IMU file is one in which the last three columns over the time step are the size of gravity; in a GNSS file
+the standard deviations are below 100 m and the rows at least 0.02 s apart. No week is told
 but in a reference, so that IMU and GNSS have Clock.OWN, seconds of the same unnamed week; a step back by
 more than half a week is the next week. References have Clock.GPS.
 
@@ -34,6 +35,8 @@ from sim_scenarios.units import DEGREE, STANDARD_GRAVITY
 _ROWS: Final = 50
 """By which a file is recognised."""
 _WIDTHS: Final = (7, 11, 13)
+_WORST: Final = 100.0  # m
+_FASTEST_FIXES: Final = 0.02  # s
 _FROM_NED: Final = np.array([1, 0, 2])
 _UP: Final = np.array([1.0, 1.0, -1.0])
 
@@ -93,12 +96,13 @@ def _kind(table: Array) -> str | None:
         return None
     if width == 11 and on_earth and (table[:, 0] == np.round(table[:, 0])).all():
         return "reference"
-    if width == 7 and len(table) > 1:
-        step = np.median(np.diff(second))
+    step = np.median(np.diff(second)) if len(table) > 1 else np.inf
+    if width == 7:
         force = np.mean(np.linalg.norm(table[:, 4:7], axis=1)) / step if step > 0 else 0.0
         if STANDARD_GRAVITY / 2 < force < 2 * STANDARD_GRAVITY and (np.abs(table[:, 1:4]) < 1).all():
             return "imu"
-    if width in (7, 13) and on_earth and (table[:, 4:7] > 0).all():
+    sigmas = table[:, 4:7]
+    if width != 11 and on_earth and step >= _FASTEST_FIXES and ((sigmas > 0) & (sigmas < _WORST)).all():
         return "gnss"
     return None
 

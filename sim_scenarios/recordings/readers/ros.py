@@ -6,6 +6,7 @@
                                                  antenna, east, north, up; else velocity of the body
     nav_msgs/Odometry                            its twist: velocity of the body
 
+A twist of a topic that is called a command or a setpoint is what was wanted, and is left out.
 Of several topics of one kind the one with the most messages is read, then the first by name. By REP 103 axes
 point forward, left, up, which frames called ..._ned and ..._optical do not keep; by REP 145 an Imu at rest
 feels gravity upwards. Pose and orientation are not read: what they refer to is north only by agreement. A
@@ -40,6 +41,8 @@ _FIX: Final = "sensor_msgs/msg/NavSatFix"
 _TWISTS: Final = ("geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/TwistWithCovarianceStamped")
 _ODOMETRY: Final = "nav_msgs/msg/Odometry"
 _MAGIC: Final = (b"#ROSBAG V2.0", b"\x89MCAP0\r\n", b"SQLite format 3\x00")
+_COMMANDS: Final = ("cmd", "command", "setpoint")
+"""Of which one is a part of a topic's name that says what a vehicle shall do."""
 _OTHER_AXES: Final = ("_ned", "_optical")
 _MAP: Final = "map"
 _YEAR_2000: Final = 946684800  # s since 1970
@@ -92,7 +95,7 @@ def _contents(path: Path, bag: Any) -> Contents:
     gnss, body = said.fixes.table(), said.body.table()
     if imu is None and gnss is None and body is None:
         names = ", ".join((_IMU, _FIX, *_TWISTS, _ODOMETRY))
-        raise InputError(f"{path}: has no message of {names}")
+        raise InputError(f"{path}: has no message of {names} that is no command")
     return Contents(
         Clock.UNIX if said.epoch else Clock.OWN,
         float(said.epoch or 0),
@@ -104,17 +107,25 @@ def _contents(path: Path, bag: Any) -> Contents:
     )
 
 
+def _is_command(connection: Any) -> bool:
+    """Whether a topic says what velocity shall be, by its name."""
+    topic = connection.topic.casefold()
+    return connection.msgtype in _TWISTS and any(command in topic for command in _COMMANDS)
+
+
 def _topics(bag: Any, kind: str) -> list[str]:
-    """Topics of a kind, the fullest first, then by name."""
+    """Topics of a kind that were measured, the fullest first, then by name."""
     counts: dict[str, int] = {}
     for connection in bag.connections:
-        if connection.msgtype == kind:
+        if connection.msgtype == kind and not _is_command(connection):
             counts[connection.topic] = counts.get(connection.topic, 0) + connection.msgcount
     return sorted(counts, key=lambda topic: (-counts[topic], topic))
 
 
 def _not_read(path: Path, bag: Any) -> Iterator[str]:
     """Sentences on the topics that were left out."""
+    for topic in sorted({connection.topic for connection in bag.connections if _is_command(connection)}):
+        yield f"{path}: {topic} is left out: by its name it is a command"
     for kind in (_IMU, _FIX, *_TWISTS, _ODOMETRY):
         for topic in _topics(bag, kind)[1:]:
             yield f"{path}: {topic} is left out: another topic has more {kind} or comes before it by name"

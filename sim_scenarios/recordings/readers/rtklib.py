@@ -11,7 +11,7 @@ Source: RTKLIB 2.4.2 manual, appendix B.1; `outsolhead` and `outpos` of its solu
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 from typing import Final
@@ -21,20 +21,19 @@ import numpy as np
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers import sheets
 from sim_scenarios.recordings.readers.contents import Clock, Contents
-from sim_scenarios.recordings.readers.gps_time import WEEK
+from sim_scenarios.recordings.readers.gps_time import SINCE_1970, WEEK
 from sim_scenarios.recordings.tables import Array, FixTable
 from sim_scenarios.units import DEGREE, HOUR
 
 _HEADER: Final = re.compile(r"%\s*(GPST|UTC|JST)[\s,;]+(latitude|x-ecef|e-baseline)\(", re.IGNORECASE)
 _BETWEEN: Final = re.compile(r"[\s,;]+")
-_UNIX_OF_GPS: Final = 315964800.0
 _AHEAD_OF_UTC: Final = {"utc": 0.0, "jst": 9 * HOUR}
 _NO_SOLUTION: Final = 0
 
 
 @dataclass(frozen=True)
 class _Solutions:
-    """Cells of the solutions by the name of their field, and the lines in which they stand."""
+    """Cells of rows by the name of their field, and the lines in which they stand."""
 
     scale: str
     fields: dict[str, int]
@@ -60,8 +59,7 @@ def read(path: Path) -> Contents:
         If no header names the fields, positions are not latitude, longitude and height, or a line holds
         something else than the header says; the last one may be cut short.
     """
-    solutions = _solutions(path)
-    values = _numbers(path, solutions)
+    solutions, values = _solved(path, _rows(path))
     fields = solutions.fields
 
     def columns(*names: str, otherwise: float) -> Array:
@@ -86,7 +84,7 @@ def read(path: Path) -> Contents:
     return Contents(clock=clock, epoch=epoch, gnss=table, place=lambda _, row: f"line {solutions.lines[row]}")
 
 
-def _solutions(path: Path) -> _Solutions:
+def _rows(path: Path) -> _Solutions:
     header, rows, lines = "", [], []
     for number, line in enumerate(sheets.lines(path), start=1):
         if line.startswith("%"):
@@ -107,19 +105,28 @@ def _solutions(path: Path) -> _Solutions:
         key = name.partition("(")[0].lower()
         fields[key] = at
         at += 3 if sexagesimal and key in ("latitude", "longitude") else 1
+    if "longitude" not in fields:
+        raise InputError(f"{path}: the line that names the fields names a latitude and no longitude")
     if rows and len(rows[-1]) < at:
         del rows[-1], lines[-1]
     for cells, number in zip(rows, lines, strict=True):
         if len(cells) != at:
             raise InputError(f"{path}: line {number}: has {len(cells)} cells, and the header names {at}")
-    solved = [
-        i for i, cells in enumerate(rows) if "q" not in fields or float(cells[fields["q"]]) != _NO_SOLUTION
-    ]
-    if not solved:
+    if not rows:
         raise InputError(f"{path}: has no solution")
-    return _Solutions(
-        scale.lower(), fields, sexagesimal, [rows[i] for i in solved], [lines[i] for i in solved]
-    )
+    return _Solutions(scale.lower(), fields, sexagesimal, rows, lines)
+
+
+def _solved(path: Path, every: _Solutions) -> tuple[_Solutions, Array]:
+    """Rows that are solutions, and their cells behind the time as numbers."""
+    values = _numbers(path, every)
+    if "q" not in every.fields:
+        return every, values
+    solved = np.flatnonzero(values[:, every.fields["q"]] != _NO_SOLUTION)
+    if not len(solved):
+        raise InputError(f"{path}: has no solution")
+    rows, lines = [every.rows[i] for i in solved], [every.lines[i] for i in solved]
+    return replace(every, rows=rows, lines=lines), values[solved]
 
 
 def _numbers(path: Path, solutions: _Solutions) -> Array:
@@ -142,7 +149,7 @@ def _time(path: Path, solutions: _Solutions) -> tuple[Clock, float, Array]:
     for i, (one, other, *_) in enumerate(solutions.rows):
         try:
             if dated:
-                begin = float(np.datetime64(one.replace("/", "-"), "s").astype(np.int64)) - _UNIX_OF_GPS
+                begin = float(np.datetime64(one.replace("/", "-"), "s").astype(np.int64)) - SINCE_1970
                 hours, minutes, seconds = map(float, other.split(":"))
                 within = 3600 * hours + 60 * minutes + seconds
             else:
@@ -156,7 +163,7 @@ def _time(path: Path, solutions: _Solutions) -> tuple[Clock, float, Array]:
         stamps[i] = begin - first + within
     if solutions.scale == "gpst":
         return Clock.GPS, first, stamps
-    return Clock.UNIX, first + _UNIX_OF_GPS - _AHEAD_OF_UTC[solutions.scale], stamps
+    return Clock.UNIX, first + SINCE_1970 - _AHEAD_OF_UTC[solutions.scale], stamps
 
 
 def _degrees(parts: Array) -> Array:

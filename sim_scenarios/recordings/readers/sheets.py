@@ -24,10 +24,13 @@ import pandas as pd
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
+from sim_scenarios.recordings.readers.files import BEGINNING, beginning
 from sim_scenarios.recordings.tables import Array
 
 LOOKED_AT: Final = 200
 """Lines from which the habits of a file are found."""
+UTF_8: Final = "utf-8-sig"
+WINDOWS: Final = "cp1252"
 COMMENTS: Final = ("#", "%")
 SEPARATORS: Final = {";": "semicolons", "\t": "tabs", ",": "commas", r"\s+": "blanks"}
 _OLD: Final = tuple(map(int, pd.__version__.split(".")[:2])) < (3, 1)
@@ -48,6 +51,7 @@ class Habits:
     """Lines above the first row of numbers."""
     names: tuple[str, ...]
     header: bool
+    encoding: str
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,7 @@ class Sheet:
         """Number of the line in which a row stands."""
         rows = (
             number
-            for number, line in enumerate(lines(self.path), start=1)
+            for number, line in enumerate(lines(self.path, self.habits.encoding), start=1)
             if number > self.habits.above and line.strip() and not line.startswith(self.habits.comment)
         )
         return next(islice(rows, row, None), self.habits.above + row + 1)
@@ -134,7 +138,7 @@ def read(path: Path) -> Sheet:
                 index_col=False,
                 skipinitialspace=True,
                 low_memory=False,
-                encoding="utf-8-sig",
+                encoding=habits.encoding,
                 **_EXACTLY,
             )
     except InputError:
@@ -155,14 +159,25 @@ def habits_of(path: Path) -> Habits:
         If there is no such file, or its beginning is no table of cells.
     """
     try:
-        return _habits(list(islice(lines(path), LOOKED_AT)))
+        encoding = _encoding(path)
+        return _habits(list(islice(lines(path, encoding), LOOKED_AT)), encoding)
     except InputError:
         raise
     except ValueError as error:
         raise InputError(f"{path}: cannot be read as a CSV file: {str(error).strip()}") from None
 
 
-def lines(path: Path) -> Iterator[str]:
+def _encoding(path: Path) -> str:
+    """UTF-8, or Windows-1252 where the beginning is text in that alone, as a degree sign may be."""
+    try:
+        beginning(path).decode("utf-8")
+    except UnicodeDecodeError as error:
+        cut = error.end == len(error.object) == BEGINNING
+        return UTF_8 if cut or b"\0" in error.object else WINDOWS
+    return UTF_8
+
+
+def lines(path: Path, encoding: str = UTF_8) -> Iterator[str]:
     """Lines of a text file, which may be compressed with gzip.
 
     Raises
@@ -172,7 +187,7 @@ def lines(path: Path) -> Iterator[str]:
     """
     opened: Callable[..., TextIO] = gzip.open if path.suffix == ".gz" else open
     try:
-        with opened(path, "rt", encoding="utf-8-sig") as file:
+        with opened(path, "rt", encoding=encoding) as file:
             yield from file
     except FileNotFoundError:
         raise InputError(f"there is no recording {path}") from None
@@ -180,7 +195,7 @@ def lines(path: Path) -> Iterator[str]:
         raise InputError(f"{path}: cannot be read as a text file: {error}") from None
 
 
-def _habits(first: list[str]) -> Habits:
+def _habits(first: list[str], encoding: str) -> Habits:
     """Habits of a file from its first lines; ValueError if they hold no cells."""
     full = [(number, line.strip("\r\n")) for number, line in enumerate(first, start=1) if line.strip()]
     comments = [(n, line) for n, line in full if line.startswith(COMMENTS)]
@@ -203,7 +218,7 @@ def _habits(first: list[str]) -> Habits:
     columns += [str(i) for i in range(len(columns) + 1, width + 1)]
     if twice := [name for i, name in enumerate(columns) if name in columns[:i]]:
         raise ValueError(f"column {twice[0]} stands twice in the header")
-    return Habits(separator, decimal, comment, above, tuple(columns), bool(names))
+    return Habits(separator, decimal, comment, above, tuple(columns), bool(names), encoding)
 
 
 def split(line: str, separator: str) -> list[str]:

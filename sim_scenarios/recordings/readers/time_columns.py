@@ -7,7 +7,7 @@ to the nanosecond.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings import units as of
+from sim_scenarios.recordings.readers.contents import Clock
 from sim_scenarios.recordings.readers.sheets import Sheet
 from sim_scenarios.recordings.tables import Array
 
@@ -35,6 +36,7 @@ class Stamped:
 
     epoch: float
     time: Array
+    clock: Clock = Clock.OWN
 
 
 def stamps(sheet: Sheet, columns: Sequence[str], unit: str, rows: NDArray[np.intp] | None = None) -> Stamped:
@@ -58,7 +60,7 @@ def stamps(sheet: Sheet, columns: Sequence[str], unit: str, rows: NDArray[np.int
             f"{sheet.path}: line {sheet.line(row)}: {' '.join(columns)} must be {number}, and is "
             f"'{' '.join(str(cell.iloc[row]) for cell in cells)}'"
         )
-    return Stamped(stamped.epoch, time)
+    return replace(stamped, time=time)
 
 
 def _counted(numbers: Array, cells: pd.Series, unit: float) -> Stamped:
@@ -74,11 +76,11 @@ def _counted(numbers: Array, cells: pd.Series, unit: float) -> Stamped:
 
 
 def _calendar(text: pd.Series) -> Stamped:
-    """Seconds since 1970, of the first day apart."""
+    """Dates, the first day apart; taken for UTC where nothing else is said."""
     dates = pd.to_datetime(text.str.replace("/", "-"), format="ISO8601", utc=True, errors="coerce")
     known = dates.notna()
     day = dates[known].iloc[0].floor("D") if known.any() else pd.Timestamp(0, tz="UTC")
-    return Stamped(day.timestamp(), (dates - day).dt.total_seconds().to_numpy(dtype=np.float64))
+    return Stamped(day.timestamp(), (dates - day).dt.total_seconds().to_numpy(dtype=np.float64), Clock.UNIX)
 
 
 def _hours(text: pd.Series) -> Array:

@@ -1,8 +1,9 @@
 """u-blox UBX, with the package pyubx2.
 
     NAV-PVT         position, velocity, their accuracies
-    NAV-HPPOSLLH    the position to 0.1 mm and its accuracy, in the place of that of NAV-PVT
-    NAV-RELPOSNED   direction from the first to the second antenna: heading
+    NAV-HPPOSLLH    the position to 0.1 mm and its accuracy, in the place of that of a spatial fix of NAV-PVT
+    NAV-RELPOSNED   direction from the first to the second antenna, where both move (from a base that stands
+                    it is no heading): heading
 
 NMEA, RTCM and other messages in between are passed over. The horizontal accuracy, one number, is given to
 east and to north, the speed accuracy to each component. A two-dimensional fix has no height, and dead
@@ -45,8 +46,8 @@ _SENSORS: Final = (b"\x10\x02", b"\x10\x03")
 _BESIDES: Final = 8
 """Bytes of a frame besides its payload."""
 _FLAT: Final = 2
-_FIXED: Final = (_FLAT, 3, 4)
-"""Fix types of which the satellites are a part: flat, spatial, with dead reckoning."""
+_SPATIAL: Final = (3, 4)
+"""Spatial fix types of which the satellites are a part: alone, with dead reckoning."""
 _MM: Final = 1e3  # in a metre
 
 
@@ -88,7 +89,7 @@ def read(path: Path) -> Contents:
     contents = said.contents((remark,) if sensors else ())
     if contents.gnss is None and contents.heading_aid is None:
         raise InputError(
-            f"{path}: no NAV-PVT, NAV-HPPOSLLH or NAV-RELPOSNED has a fix or a heading"
+            f"{path}: no NAV-PVT has a fix and no NAV-RELPOSNED a heading"
             f"{'; ESF-RAW and ESF-MEAS are not read' if sensors else ''}"
         )
     return contents
@@ -143,23 +144,33 @@ class _Said:
     def contents(self, remarks: tuple[str, ...]) -> Contents:
         """Everything in SI; a precise position comes after the others and takes their place."""
         fixes, headings = Fixes(), Headings()
+        spatial = {now for name, now, message in self._messages if name == "NAV-PVT" and _spatial(message)}
         for name, now, message in sorted(self._messages, key=lambda heard: heard[0] == "NAV-HPPOSLLH"):
             time = self._exact.get(now, now)
             if name == "NAV-PVT":
                 _position_and_velocity(fixes, time, message)
-            elif name == "NAV-HPPOSLLH" and not message.invalidLlh:
+            elif name == "NAV-HPPOSLLH" and now in spatial and not message.invalidLlh:
                 _position(fixes, time, message, message.height / _MM)
-            elif name == "NAV-RELPOSNED" and message.version == 1 and message.relPosHeadingValid:
+            elif name == "NAV-RELPOSNED" and _is_heading(message):
                 headings.heading(time, message.relPosHeading * DEGREE, message.accHeading * DEGREE)
         clock = Clock.OWN if self._week is None else Clock.GPS
         epoch = (self._week or 0) * gps_time.WEEK
         return Contents(clock, epoch, gnss=fixes.table(), heading_aid=headings.table(), remarks=remarks)
 
 
+def _is_heading(message: Any) -> bool:
+    """Whether a relative position tells the heading of what carries both antennas."""
+    return bool(message.version == 1 and message.relPosHeadingValid and message.isMoving)
+
+
+def _spatial(message: Any) -> bool:
+    return bool(message.gnssFixOk and message.fixType in _SPATIAL)
+
+
 def _position_and_velocity(fixes: Fixes, time: float, message: Any) -> None:
-    if not message.gnssFixOk or message.fixType not in _FIXED:
+    flat = bool(message.gnssFixOk and message.fixType == _FLAT)
+    if not flat and not _spatial(message):
         return
-    flat = message.fixType == _FLAT
     _position(fixes, time, message, NOT_MEASURED if flat else message.height / _MM)
     fixes.velocity(time, message.velE / _MM, message.velN / _MM, -message.velD / _MM)
     fixes.velocity_sigma(time, *[message.sAcc / _MM] * 3)

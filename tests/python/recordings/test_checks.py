@@ -120,6 +120,47 @@ def test_turns_that_repeat_tell_no_time() -> None:
     refuse(late, Path("x"))
 
 
+def rolling(lead: float, band: float) -> Recording:
+    """A ship at 5 m/s whose antenna is 20 m up a mast: a roll of 8 deg and a yaw of 2 deg every 9 s or so.
+
+    The antenna goes sideways as fast as the ship ahead, so that the course shows the roll; the yaw leads it
+    by a phase, in a sea of a relative band.
+    """
+    time = np.arange(0, 900, 0.02)
+    angular = 2 * np.pi / 9 * (1 + band * np.linspace(-2.0, 2.0, 41))
+    sizes = np.exp(-(np.linspace(-2.0, 2.0, 41) ** 2) / 2)
+    phases = 2 * np.pi * np.arange(41) ** 2 / 41  # of a chirp: waves that come and go
+
+    def wave(ahead: float, order: int = 0) -> np.ndarray:
+        waves = np.exp(1j * (np.outer(time, angular) + phases + ahead))
+        return np.real(waves @ (sizes * (1j * angular) ** order)) / np.linalg.norm(sizes)
+
+    roll, yaw = 8 * DEGREE * wave(0.0), 2 * DEGREE * wave(lead)
+    rolls, yaws = 8 * DEGREE * wave(0.0, 1), 2 * DEGREE * wave(lead, 1)
+    angle = 0.02 * np.stack([0 * time, rolls, -yaws], axis=-1)
+    force = 0.02 * 9.80665 * np.stack([-np.sin(roll), 0 * time, np.cos(roll)], axis=-1)
+    sideways = 20 * rolls
+    velocity = np.stack(
+        [5 * np.sin(yaw) + sideways * np.cos(yaw), 5 * np.cos(yaw) - sideways * np.sin(yaw), 0 * time],
+        axis=-1,
+    )[::50]
+    zero = np.zeros_like(velocity)
+    gnss = FixTable(time[::50], np.full_like(velocity, np.nan), velocity, zero, zero)
+    return Recording("ship", ImuTable(time, angle, force), gnss)
+
+
+@pytest.mark.parametrize("lead", [-90.0, 0.0, 90.0, 180.0])
+@pytest.mark.parametrize("band", [0.0, 0.05, 0.25, 0.35])
+def test_an_antenna_on_a_mast_turns_no_gyro_round(lead: float, band: float) -> None:
+    refuse(rolling(lead * DEGREE, band), Path("x"))
+
+
+def test_vibration_is_no_wrong_unit() -> None:
+    """White, of 15 m/s2 on each axis, as on a drone: the size of a sample is 25 m/s2."""
+    shaken = FORCE + 0.01 * np.random.default_rng(1).normal(0, 15, FORCE.shape)
+    refuse(imu(delta_velocity=shaken), Path("x"))
+
+
 def wobbling(unit: float) -> Recording:
     """A ship that rolls by 10 deg every 8 s: no fixes, and a force that says how far it turns."""
     time = 0.01 * np.arange(1, 12_001)
@@ -142,6 +183,10 @@ DOUBTED = {
     "a scale": (
         lambda: imu(delta_angle=ANGLE * 2),
         "the course turns 0.50 times as far as the delta angles say",
+    ),
+    "twice and the other way round": (
+        lambda: imu(delta_angle=ANGLE * -2),
+        "the course turns -0.50 times as far as the delta angles say",
     ),
     "velocities of nobody": (
         lambda: fixes(velocity=VELOCITY[::-1]),

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from sim_scenarios.errors import InputError
-from sim_scenarios.recordings.clocks import Clock, Stamps, leap_seconds, on_one_clock, unwrapped
+from sim_scenarios.recordings.clocks import Stamps, leap_seconds, on_one_clock, unwrapped
+from sim_scenarios.recordings.readers.contents import Clock
 
 MOMENT = datetime(2025, 1, 1, 19, 34, 18, tzinfo=timezone.utc)
 OF_DAY = 19 * 3600 + 34 * 60 + 18.0

@@ -14,8 +14,11 @@ import pytest
 from numpy.typing import NDArray
 from plant_signals import sensed
 from scipy.stats import chi2
+from town_drive import imu_cells
+from typer.testing import CliRunner
 
 from sim_scenarios import toml
+from sim_scenarios.cli.application import app
 from sim_scenarios.cli.options import settings
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, Fmus
@@ -124,6 +127,21 @@ def test_gap_ends_a_standing_stretch() -> None:
     assert found.begin > 45.0
     with pytest.raises(InputError, match="gap"):
         between(Recording("gap", later), 30.0, 60.0)
+
+
+def test_a_sample_that_is_no_number_ends_a_standing_stretch() -> None:
+    recording = standing_then_moving(100.0, 20.0)
+    at = int(np.searchsorted(recording.imu.time, 30.0))
+    recording.imu.delta_velocity[at, 1] = np.nan
+    found = longest_standing(recording)
+    assert found is not None
+    assert 30.0 < found.begin < 34.0
+    assert np.isfinite(found.imu.delta_velocity).all()
+    stamp = f"{recording.imu.time[at]:g}"
+    with pytest.raises(InputError, match=rf"the IMU sample at {stamp} s is not a number; choose a stretch"):
+        between(recording, 20.0, 60.0)
+    recording.imu.delta_velocity[:, 1] = np.nan
+    assert longest_standing(recording) is None
 
 
 def test_fixes_that_move_end_a_standing_stretch() -> None:
@@ -260,6 +278,15 @@ def test_command_writes_a_file_that_a_command_takes(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "allan.png").read_bytes().startswith(b"\x89PNG")
     used = settings(None, [Path(told["file"])])
     assert used["process.angle_random_walk"].endswith("deg/h^0.5")
+
+
+def test_command_tells_what_is_likely_wrong(tmp_path: Path) -> None:
+    imu = standing_then_moving(60.0, 0.0).imu
+    sideways = replace(imu, delta_velocity=imu.delta_velocity[:, [2, 1, 0]])
+    imu_cells(sideways).to_csv(tmp_path / "rest.csv", index=False)
+    told = CliRunner().invoke(app, ["derive", str(tmp_path / "rest.csv"), "-o", str(tmp_path / "out")])
+    assert told.exit_code == 0, told.output
+    assert "it points sideways" in told.stderr
 
 
 def test_settings_of_the_command_line_go_before_those_of_files(tmp_path: Path) -> None:

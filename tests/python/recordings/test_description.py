@@ -121,6 +121,8 @@ CLOCKS: dict[str, tuple[Callable[[float], object], str]] = {
     "milliseconds": (lambda t: round((UNIX + t) * 1000), 'clock = "unix"\nunits.time = "ms"'),
     "nanoseconds": (lambda t: round(UNIX) * 10**9 + round(t * 1e9), 'clock = "unix"\nunits.time = "ns"'),
     "ISO": (iso, 'clock = "unix"\nunits.time = "iso"'),
+    "ISO in GPS time": (lambda t: iso(18 + t), 'clock = "gps"\nunits.time = "iso"'),
+    "ISO of nobody's clock": (iso, 'units.time = "iso"'),
     "week": (lambda t: 2 * 86400 + 18 + t, 'clock = "gps-week"'),
     "day": (lambda t: 18 + t, 'clock = "gps-day"'),
     "day of UTC": (lambda t: t, 'clock = "utc-day"'),
@@ -307,3 +309,32 @@ def test_a_file_without_an_imu_is_refused(tmp_path: Path) -> None:
         load(tmp_path / "x.xyz")
     with pytest.raises(InputError, match="there is no recording"):
         load(tmp_path / "absent.csv")
+
+
+def test_what_a_receiver_writes_before_its_first_fix_is_left_out(tmp_path: Path) -> None:
+    cells = fix_cells(WHOLE.gnss)
+    cells.loc[:4, ["lat", "lon", "height", "ve", "vn", "vu"]] = 0.0
+    cells.loc[9, ["lat", "lon"]] = 0.0  # a fix is refused by its residual, not left out
+    read = load(write(tmp_path, imu_cells(WHOLE.imu), f'[imu]\nfile = "imu.csv"\n{GNSS}', cells))
+    np.testing.assert_array_equal(read.gnss.time, WHOLE.gnss.time[5:])
+    [remark] = [remark for remark in read.remarks if "before the first fix" in remark]
+    assert remark.startswith(f"{tmp_path / 'gnss.csv'}: latitude 0, longitude 0 before the first fix, 5")
+
+
+def test_a_vehicle_at_latitude_0_longitude_0_has_its_fixes(tmp_path: Path) -> None:
+    cells = fix_cells(WHOLE.gnss)
+    cells[["lat", "lon", "ve", "vn", "vu"]] = 0.0
+    imu = imu_cells(WHOLE.imu)
+    imu.loc[:, imu.columns[1:]] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0978]
+    read = load(write(tmp_path, imu, f'[imu]\nfile = "imu.csv"\n{GNSS}', cells))
+    assert len(read.gnss.time) == len(WHOLE.gnss.time)
+
+
+@pytest.mark.parametrize(("clock", "epoch"), [("gps", 16432 * 86400.0), ("gps-day", None)])
+def test_the_date_is_kept(tmp_path: Path, clock: str, epoch: float | None) -> None:
+    """2025-01-01 is 16432 days after 1980-01-06."""
+    said = f'[imu]\nfile = "imu.csv"\nclock = "{clock}"\noffset = {16432 * 86400 + 3600}\n'
+    read = load(write(tmp_path, imu_cells(WHOLE.imu), said))
+    assert read.epoch == epoch
+    if epoch is not None:
+        np.testing.assert_allclose(read.imu.time, WHOLE.imu.time + 3600, atol=1e-6)

@@ -119,7 +119,8 @@ def test_counts_are_scaled_by_gravity(tmp_path: Path) -> None:
     sensor(FLU, 1.0, G / 16384, GYRO).to_csv(tmp_path / "imu.csv", index=False)
     path, _ = drafted(tmp_path, tmp_path / "imu.csv")
     assert "check: counts?" in path.read_text()
-    size = np.linalg.norm(load(path).imu.delta_velocity, axis=1).mean()
+    seconds = load(path).imu.delta_velocity.reshape(-1, 100, 3).mean(axis=1)
+    size = np.linalg.norm(seconds, axis=1).mean()
     assert size == pytest.approx(G * 0.01, rel=1e-5)
 
 
@@ -182,6 +183,70 @@ def test_what_has_no_imu_is_refused(tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("time,a,b\n1,2,3\n2,3,4\n")
     with pytest.raises(InputError, match=r"x\.csv: has neither an IMU nor an aid"):
         draft([tmp_path / "x.csv"], tmp_path)
+
+
+def test_vibration_does_not_pass_for_gravity(tmp_path: Path) -> None:
+    """White, of 15 m/s2 on each axis, as on a drone: the size of a sample is 25 m/s2."""
+    cells = sensor(FLU, 1.0, 1.0, GYRO)
+    shaken = np.random.default_rng(1).normal(0, 15, (len(cells), 3))
+    cells[["acc_x", "acc_y", "acc_z"]] += shaken
+    cells.to_csv(tmp_path / "imu.csv", index=False)
+    path, said = drafted(tmp_path, tmp_path / "imu.csv")
+    assert said["imu"]["units"]["force"] == "m/s2"
+    np.testing.assert_allclose(
+        load(path).imu.delta_velocity, WHOLE.imu.delta_velocity + 0.01 * shaken @ FLU, atol=1e-12
+    )
+
+
+def dates(time: np.ndarray) -> list[str]:
+    return [stamp.isoformat() for stamp in pd.Timestamp("2025-03-04") + pd.to_timedelta(time, unit="s")]
+
+
+@pytest.mark.parametrize(("column", "clock", "ahead"), [("gps_time", "gps", 0), ("time", "unix", 18)])
+def test_dates_of_a_column_of_gps_are_gps_time(tmp_path: Path, column: str, clock: str, ahead: int) -> None:
+    cells = sensor(FLU, 1.0, 1.0, [column, *GYRO[1:]])
+    cells[column] = dates(3600 + WHOLE.imu.time)
+    cells.to_csv(tmp_path / "imu.csv", index=False)
+    fixes = fix_cells(WHOLE.gnss)
+    fixes["time"] += UNIX + 3600 - 18 + ahead
+    fixes.rename(columns={"time": "unix_time"}).to_csv(
+        tmp_path / "gnss.csv", index=False, float_format="%.12f"
+    )
+    path, said = drafted(tmp_path, tmp_path / "imu.csv", tmp_path / "gnss.csv")
+    assert said["imu"]["clock"] == clock
+    assert "# check: the dates" in path.read_text()
+    read = load(path)
+    assert doubts(read) == []
+    np.testing.assert_allclose(read.imu.time, WHOLE.imu.time + 3600 + ahead, atol=1e-6)
+    np.testing.assert_allclose(read.gnss.time, WHOLE.gnss.time + 3600 + ahead, atol=1e-6)
+
+
+def test_files_of_different_times_are_drafted_all_the_same(tmp_path: Path) -> None:
+    for name, cells, later in (
+        ("imu.csv", sensor(FLU, 1.0, 1.0, ["unix_time", *GYRO[1:]]), 0),
+        ("gnss.csv", fix_cells(WHOLE.gnss).rename(columns={"time": "unix_time"}), 14400),
+    ):
+        cells["unix_time"] += UNIX + later
+        cells.to_csv(tmp_path / name, index=False, float_format="%.12f")
+    told = run(tmp_path / "imu.csv", tmp_path / "gnss.csv", "-o", tmp_path / "recording.toml")
+    assert told.exit_code == 0, told.output
+    assert toml.read(tmp_path / "recording.toml")["imu"]["axes"] == "forward-left-up"
+    assert "do not overlap" in told.stderr
+    assert "offset = -14400" in told.stderr
+
+
+def test_fixes_of_a_file_of_their_own_come_before_those_of_an_imu(tmp_path: Path) -> None:
+    cells = sensor(FLU, 1.0, 1.0, GYRO)
+    copied = fix_cells(WHOLE.gnss).drop(columns="time").set_axis(cells.index[49::50])
+    pd.concat([cells, copied], axis=1).to_csv(tmp_path / "all.csv", index=False, float_format="%.15g")
+    fix_cells(WHOLE.gnss).to_csv(tmp_path / "receiver.csv", index=False, float_format="%.12f")
+    text, guesses = draft([tmp_path / "all.csv", tmp_path / "receiver.csv"], tmp_path)
+    said = "gnss of all.csv: left out, receiver.csv has it too"
+    assert guesses[0] == said
+    assert f"# {said}" in text
+    path, tables = drafted(tmp_path, tmp_path / "all.csv", tmp_path / "receiver.csv")
+    assert (tables["imu"]["file"], tables["gnss"]["file"]) == ("all.csv", "receiver.csv")
+    np.testing.assert_array_equal(load(path).gnss.time, WHOLE.gnss.time)
 
 
 def run(*arguments: object) -> Result:

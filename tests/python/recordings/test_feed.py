@@ -137,3 +137,13 @@ def test_stamps_that_filters_can_go_by_are_left_alone(late: float, rates: bool) 
     fed = feed(made)
     np.testing.assert_array_equal(fed.time[1:], made.imu.time)
     assert fed.remark == ""
+
+
+def test_stamps_that_follow_no_steady_clock_stay_as_they_are() -> None:
+    """A sensor that slows down from 100 Hz to 5 Hz, with stamps up to nine tenths of a period late."""
+    _, made = jittered(0.9, rates=False)
+    time = np.concatenate([made.imu.time[:1000], made.imu.time[999] + 20 * (made.imu.time[1000:] - 10.0)])
+    made = replace(made, imu=replace(made.imu, time=time))
+    fed = feed(made)
+    np.testing.assert_array_equal(fed.time[1:], time)
+    assert "stay as recorded: stamps near" in fed.remark

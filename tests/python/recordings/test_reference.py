@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -76,13 +77,33 @@ def test_a_file_with_dates_goes_with_a_recording_that_counts_seconds_of_the_day(
     (tmp_path / "truth.nav").write_text("\n".join(rows) + "\n")
     stamps = noon + np.arange(0.0, 50.0, 0.1)
     made = Recording("made", ImuTable(stamps, np.zeros((500, 3)), np.zeros((500, 3))))
-    found = of_file(tmp_path / "truth.nav", made)
+    found, remarks = of_file(tmp_path / "truth.nav", made)
+    assert remarks == []
     np.testing.assert_allclose(found.time, noon + time)
     np.testing.assert_allclose(found.attitude[10] / DEGREE, [0.5, 1.5, 100.0])
     np.testing.assert_allclose(found.velocity[0], [2.0, 1.0, 3.0])
     late = Recording("late", ImuTable(stamps + 3600.0, np.zeros((500, 3)), np.zeros((500, 3))))
     with pytest.raises(InputError, match="do not overlap"):
         of_file(tmp_path / "truth.nav", late)
+    day = 2300 * 604800.0 + 3 * 86400
+    same, _ = of_file(tmp_path / "truth.nav", replace(made, epoch=day))
+    np.testing.assert_array_equal(same.time, found.time)
+    with pytest.raises(InputError, match="do not overlap"):
+        of_file(tmp_path / "truth.nav", replace(made, epoch=day + 86400))
+
+
+def test_rows_of_a_file_stand_in_order_and_once(tmp_path: Path) -> None:
+    path = tmp_path / "truth.nav"
+    rows = [f"2300 {3 * 86400 + t} 30.0 114.0 20.0 1.0 2.0 -3.0 0.5 1.5 {90 + t}\n" for t in range(50)]
+    stamps = np.arange(0.0, 50.0, 0.1)
+    made = Recording("made", ImuTable(stamps, np.zeros((500, 3)), np.zeros((500, 3))))
+    path.write_text("".join([*rows[:10], *rows[9:]]))
+    found, remarks = of_file(path, made)
+    np.testing.assert_array_equal(found.time, np.arange(50.0))
+    assert remarks == [f"{path}: line 11: 1 row written twice, left out"]
+    path.write_text("".join([*rows[:10], rows[9].replace(" 99", " 98"), *rows[10:]]))
+    with pytest.raises(InputError, match=r"truth.nav: line 11: time must increase"):
+        of_file(path, made)
 
 
 def test_a_file_without_a_reference_is_refused(tmp_path: Path) -> None:

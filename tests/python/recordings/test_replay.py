@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from plant_signals import as_csv, as_table, sensed, told_as_in
+from town_drive import TownDrive
 
 import sim_scenarios
 from sim_scenarios import Outages, Start, ZeroVelocity
@@ -223,6 +225,35 @@ def test_without_a_heading_the_alignment_is_one_that_needs_none(ship: Recording,
         sim_scenarios.replay(ship, set={"error_model": "large_azimuth"}, fmus=all_fmus)
     with pytest.raises(InputError, match="the model loose of NavigationFilter needs a heading"):
         sim_scenarios.replay(ship, filter="navigation", fmus=all_fmus)
+
+
+def test_what_is_likely_wrong_is_told(all_fmus: Fmus) -> None:
+    town = TownDrive().recording(20.0)
+    left = [part[:, [1, 0, 2]] * [1, -1, 1] for part in (town.imu.delta_angle, town.imu.delta_velocity)]
+    made = replace(town, imu=ImuTable(town.imu.time, *left), remarks=("one row left out",))
+    run = sim_scenarios.replay(made, Start(heading=0.0), filter="navigation", fmus=all_fmus)
+    assert json.loads(run.attrs["messages"])[0] == "town: one row left out"
+    assert "town: speed is gained along 1.00, " in run.attrs["messages"]
+
+
+@pytest.mark.parametrize("unmeasured", [slice(0, 3), slice(2, 3)], ids=["positions alone", "no velocity up"])
+def test_fixes_that_are_not_whole_are_used(
+    ship: Recording, all_fmus: Fmus, tmp_path: Path, unmeasured: slice
+) -> None:
+    """The coarse stage takes none of them."""
+    velocity = ship.gnss.velocity.copy()
+    velocity[:, unmeasured] = np.nan
+    made = replace(ship, gnss=replace(ship.gnss, velocity=velocity), reference=None)
+    run = sim_scenarios.replay(made, fmus=all_fmus)
+    assert int(run["used_fixes"].values[-1]) > 0
+    assert "coarse.enabled = false" in run.attrs["messages"]
+    assert '<figure id="innovations">' in report_replay(run, tmp_path / "a").read_text(encoding="utf-8")
+    run = sim_scenarios.replay(made, set={"coarse.enabled": True}, fmus=all_fmus)
+    assert int(run["used_fixes"].values[-1]) == 0
+    assert "the alignment begins without" not in run.attrs["messages"]
+    page = report_replay(run, tmp_path / "b").read_text(encoding="utf-8")
+    assert '<figure id="heading">' in page
+    assert '<figure id="innovations">' not in page
 
 
 def test_what_a_recording_lacks_is_said(ship: Recording, all_fmus: Fmus) -> None:

@@ -19,6 +19,7 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.recordings.exports import export
 from sim_scenarios.recordings.readers import rtklib
+from sim_scenarios.recordings.readers.contents import Clock
 from sim_scenarios.units import DEGREE
 
 LENGTH = 100.0  # s
@@ -107,15 +108,39 @@ def test_the_table_holds_the_navigation(navigated: tuple[Path, Result], data: xr
 
 def test_another_program_reads_the_solution_file(navigated: tuple[Path, Result], data: xr.Dataset) -> None:
     """As the reader of RTKLIB's files has it: weeks and seconds, north before east."""
-    fixes = rtklib.read(navigated[0] / "track.pos").gnss
+    contents = rtklib.read(navigated[0] / "track.pos")
+    fixes = contents.gnss
     assert fixes is not None
-    np.testing.assert_allclose(fixes.time - fixes.time[0], data["time"] - data["time"][0], atol=1e-3)
+    np.testing.assert_allclose(contents.epoch + fixes.time, data["time"], atol=1e-3)
+    assert "% date      : not known" in (navigated[0] / "track.pos").read_text()
     np.testing.assert_allclose(fixes.position[:, 0], data["nav.latitude"], atol=1e-9 * DEGREE)
     np.testing.assert_allclose(fixes.position[:, 1], data["nav.longitude"], atol=1e-9 * DEGREE)
     np.testing.assert_allclose(fixes.position[:, 2], data["nav.height"], atol=1e-4)
     np.testing.assert_allclose(fixes.velocity, data["nav.velocity"], atol=1e-5)
     np.testing.assert_allclose(fixes.position_sigma, data["position_sigma"], atol=1e-4)
     np.testing.assert_allclose(fixes.velocity_sigma, data["velocity_sigma"], atol=1e-5)
+
+
+def test_a_solution_file_of_a_dated_recording_has_its_date(ship: Path, tmp_path: Path) -> None:
+    """In seconds since 1970: 2025-01-01 12:00 UTC, 18 leap seconds later in GPS time."""
+    names = 'position = ["gnss_latitude", "gnss_longitude", "gnss_height"], velocity = ['
+    names += '"gnss_velocity_east", "gnss_velocity_north", "gnss_velocity_up"]'
+    description = tmp_path / "dated.toml"
+    dated = f'file = "{ship}"\nclock = "unix"\noffset = 1735732800'
+    description.write_text(
+        f"[imu]\n{dated}\n[gnss]\n{dated}\n"
+        f'columns = {{ time = "gnss_time", {names} }}\nunits = {{ position = "deg" }}\n'
+    )
+    result = truenorth("replay", description, "--heading", 4, "--export", "pos", "-o", tmp_path / "out")
+    assert result.exit_code in (0, 1), result.output
+    contents = rtklib.read(tmp_path / "out" / "track.pos")
+    assert contents.clock is Clock.GPS
+    assert contents.gnss is not None
+    day = (np.datetime64("2025-01-01") - np.datetime64("1980-01-06")) / np.timedelta64(1, "s")
+    begin = day + 12 * 3600 + 18
+    assert contents.epoch + contents.gnss.time[-1] == pytest.approx(begin + LENGTH, abs=2e-3)
+    assert contents.epoch + contents.gnss.time[0] < begin + LENGTH
+    assert "not known" not in (tmp_path / "out" / "track.pos").read_text()
 
 
 def test_maps_read_the_track(navigated: tuple[Path, Result], data: xr.Dataset) -> None:

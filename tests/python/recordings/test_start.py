@@ -111,6 +111,39 @@ def test_the_first_fix_of_the_imu_counts_not_one_of_before() -> None:
     assert values["initial.velocity[1]"] == 0.0
 
 
+def later(made: Recording, seconds: float) -> Recording:
+    """Without the fixes before a time."""
+    since = made.gnss.time >= seconds
+    return replace(made, gnss=FixTable(*(values[since] for values in vars(made.gnss).values())))
+
+
+def test_a_start_waits_for_a_first_fix_that_is_late() -> None:
+    """Faster and faster from 10 s on: the first fix, at 15 s, does not tell where the vehicle was at 0."""
+    made = later(accelerating(0.0, 0.0, 0.0, 2.0), 15.0)
+    compass = HeadingTable(np.array([0.5, 15.5]), np.array([1.1, 0.2]), np.array([0.02, 0.02]))
+    begun = beginning(replace(made, heading_aid=compass), Start())
+    assert begun.time == pytest.approx(15.0)
+    assert begun.values["initial.velocity[2]"] == pytest.approx(10.0)
+    assert begun.values["initial.heading"] == 0.2
+    assert "at 15 s, where the first fix is" in begun.words
+
+
+def test_a_start_does_not_wait_for_a_fix_that_is_soon_or_not_needed() -> None:
+    made = accelerating(0.0, 0.0, 0.0, 2.0)
+    assert beginning(later(made, 4.0), Start()).time == 0.0
+    assert beginning(later(made, 15.0), Start(position=(40.0, 10.0, 0.0))).time == 0.0
+
+
+def test_levelling_leaves_out_what_is_not_a_number() -> None:
+    made = accelerating(0.1, -0.2, 0.0, 0.0)
+    made.imu.delta_velocity[3, 0] = np.nan
+    values = beginning(made, Start(0.0)).values
+    assert (values["initial.roll"], values["initial.pitch"]) == pytest.approx((0.1, -0.2))
+    made.imu.delta_velocity[:100] = np.nan
+    with pytest.raises(InputError, match="levelling = 1 s: no sample from 0 s to 1 s has a delta velocity"):
+        beginning(made, Start(0.0))
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

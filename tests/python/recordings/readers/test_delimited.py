@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from damage import refusals
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers import delimited, layouts, plain, sheets
@@ -63,6 +64,24 @@ def test_habits_make_no_difference(cells: pd.DataFrame, tmp_path: Path, habit, p
     np.testing.assert_array_equal(imu.angular, cells[COLUMNS[1:4]])
     np.testing.assert_array_equal(imu.force, cells[COLUMNS[4:]])
     assert imu.increments
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_degree_sign_of_windows_is_one(cells: pd.DataFrame, tmp_path: Path, packed: bool) -> None:
+    text = written(cells.assign(**{"pitch [°]": 1.5})).replace("\n0.02", "\nx0.02", 1)
+    path = tmp_path / ("x.csv.gz" if packed else "x.csv")
+    path.write_bytes(gzip.compress(text.encode("cp1252")) if packed else text.encode("cp1252"))
+    sheet = sheets.read(path)
+    np.testing.assert_array_equal(sheet.numbers("pitch [°]"), np.full(ROWS, 1.5))
+    with pytest.raises(InputError, match=r"line 3: column time holds 'x0\.02"):
+        sheet.numbers("time")
+
+
+def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "x.csv"
+    path.write_bytes(b"time,a\xb0\n1,2\n\0\xff\n")
+    with pytest.raises(InputError, match="cannot be read as a text file"):
+        sheets.read(path)
 
 
 def test_without_a_header_columns_have_numbers(cells: pd.DataFrame, tmp_path: Path) -> None:
@@ -282,3 +301,12 @@ def test_fixes_that_are_held_count_once(cells: pd.DataFrame, tmp_path: Path) -> 
     np.testing.assert_array_equal(read.gnss.velocity[:, 0], [1, 2, 3, 4])
     np.testing.assert_array_equal(read.gnss.time, cells["time"][::10])
     assert "4 of 40 are new" in read.remarks[0]
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_damaged_files(cells: pd.DataFrame, tmp_path: Path, packed: bool) -> None:
+    cells["gnss_velocity_east"] = np.where(np.arange(ROWS) % 10 == 4, 1.5, np.nan)
+    text = written(cells[:15]).encode()
+    path = tmp_path / ("x.csv.gz" if packed else "x.csv")
+    path.write_bytes(gzip.compress(text) if packed else text)
+    assert len(refusals(plain.read, path)) > 50

@@ -124,6 +124,9 @@ def test_recognised(tmp_path: Path) -> None:
     assert kf_gins.recognises(written(tmp_path / "imu.txt", increments(400)))
     assert kf_gins.recognises(written(tmp_path / "gnss.txt", fixes()))
     assert not kf_gins.recognises(written(tmp_path / "rates.txt", increments() * [1, 1, 1, 1, 200, 200, 200]))
+    # What is no sigma of a fix, and comes faster than any receiver measures.
+    assert not kf_gins.recognises(written(tmp_path / "large.txt", fixes() + np.eye(7)[5] * 100))
+    assert not kf_gins.recognises(written(tmp_path / "fast.txt", fixes() * [1e-4, 1, 1, 1, 1, 1, 1]))
     (tmp_path / "headed.csv").write_text("time gx gy gz ax ay az\n1 2 3 4 5 6 7\n")
     assert not kf_gins.recognises(tmp_path / "headed.csv")
     (tmp_path / "empty").write_text("")

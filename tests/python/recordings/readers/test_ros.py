@@ -162,6 +162,20 @@ def test_twists_in_the_map_are_velocities_of_the_antenna(tmp_path: Path) -> None
     assert np.isnan(contents.gnss.position).all()
 
 
+@pytest.mark.parametrize("topic", ["/cmd_vel", "/mavros/setpoint_velocity/out", "/base/velocity_command"])
+def test_what_is_wanted_is_not_what_was_measured(tmp_path: Path, topic: str) -> None:
+    command = (topic, TWIST, twist(START, "base_link"))
+    contents = ros.read(written(tmp_path, "mcap", [("/fix", FIX, fix(START)), command]))
+    assert contents.body_velocity is None
+    [remark] = contents.remarks
+    assert f"{topic} is left out: by its name it is a command" in remark
+    measured = ("/dvl", TWIST, twist(START, "base_link"))
+    (tmp_path / "both").mkdir()
+    contents = ros.read(written(tmp_path / "both", "mcap", [command, command, measured]))
+    assert contents.body_velocity is not None
+    assert len(contents.body_velocity.time) == 1
+
+
 def test_odometry_is_of_the_body(tmp_path: Path) -> None:
     odometry = [uncertain_twist(START, "odom"), uncertain_twist(START + 1, "odom", variance=0.0)]
     contents = ros.read(written(tmp_path, "one.bag", [("/odom", ODOMETRY, message) for message in odometry]))

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from damage import refusals
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers import rtklib
@@ -110,9 +111,15 @@ def test_rows_without_a_solution_are_left_out_and_a_cut_last_line_is(tmp_path: P
         ("2025/01/01 19:34:18.499 40 -7 1600 1\n", "names the fields"),
         (ABOVE + HEADER.format(scale="GPST"), "has no solution"),
         (
+            "%  GPST   latitude(d'\") longitvde(d'\") height(m) Q\n2025/01/01 0:0:1  40 6 36  -7.5  3.0 1\n",
+            "names a latitude and no longitude",
+        ),
+        (
             solution().replace("1601.4740", "16o1.4740", 1),
             "line 5: could not convert string to float: '16o1.4740'",
         ),
+        (ABOVE + HEADER.format(scale="GPST") + ROW.format(stamp="2347 1.0", q=0), "has no solution"),
+        (solution().replace("   1  21", "   x  21", 1), "line 5: could not convert string to float: 'x'"),
         (solution().replace("19:34:18.499", "19-34"), "line 5: '2025/01/01 19-34' is no time such as"),
         (solution().replace(" 0.05868", "", 1), "line 5: has 23 cells, and the header names 24"),
     ],
@@ -123,6 +130,18 @@ def test_what_is_no_solution_is_refused(tmp_path: Path, text: str, words: str) -
         rtklib.read(path)
     assert words in str(refused.value)
     assert str(refused.value).startswith(f"{path}: ")
+
+
+@pytest.mark.parametrize("stamp", ["2025/01/01 19:34:{:06.3f}", "2347 {:.3f}"])
+def test_damaged_files(tmp_path: Path, stamp: str) -> None:
+    path = written(tmp_path, solution("GPST", *(stamp.format(k) for k in range(10))))
+    assert len(refusals(rtklib.read, path)) > 50
+
+
+def test_damaged_degrees_minutes_seconds(tmp_path: Path) -> None:
+    header = "%  GPST   latitude(d'\") longitude(d'\") height(m) Q\n"
+    rows = [f"2025/01/01 00:00:{k:02d}  40 06 36.0  -07 30 18.0  3.0 1\n" for k in range(10)]
+    assert len(refusals(rtklib.read, written(tmp_path, header + "".join(rows)))) > 50
 
 
 @pytest.mark.skipif(not REAL.exists(), reason="no car_drive in the folder TRUENORTH_RECORDINGS")

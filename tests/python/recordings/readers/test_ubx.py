@@ -148,7 +148,7 @@ def test_a_new_week_and_a_leap_second(tmp_path: Path) -> None:
 
 
 def test_the_week_reaches_back_to_what_came_before_the_date(tmp_path: Path) -> None:
-    frames = [precise(604799000), pvt(0, WEEK + 1, valid=0), pvt(1000, WEEK + 1)]
+    frames = [pvt(604799000, valid=0), pvt(0, WEEK + 1, valid=0), pvt(1000, WEEK + 1)]
     contents = ubx.read(written(tmp_path / "log.ubx", *frames))
     assert contents.gnss is not None
     assert contents.epoch == WEEK * 604800
@@ -156,11 +156,10 @@ def test_the_week_reaches_back_to_what_came_before_the_date(tmp_path: Path) -> N
 
 
 def test_without_a_date(tmp_path: Path) -> None:
-    contents = ubx.read(written(tmp_path / "log.ubx", precise(216697000)))
+    contents = ubx.read(written(tmp_path / "log.ubx", pvt(216697000, valid=0)))
     assert contents.clock is Clock.OWN
     assert contents.gnss is not None
     np.testing.assert_array_equal(contents.gnss.time, [216697])
-    assert np.isnan(contents.gnss.velocity).all()
 
 
 def test_what_is_no_fix(tmp_path: Path) -> None:
@@ -169,17 +168,28 @@ def test_what_is_no_fix(tmp_path: Path) -> None:
         pvt(2000, fix=1),  # dead reckoning alone
         pvt(3000, fix=5),  # time alone
         pvt(4000, flags=0),
-        precise(5000, invalid=1),
+        relative(5000, flags=0x115),  # from a base that stands
         relative(6000, flags=0x35),  # no heading
         relative(7000, version=0),
     ]
     path = written(tmp_path / "log.ubx", *none)
-    with pytest.raises(InputError, match="no NAV-PVT, NAV-HPPOSLLH or NAV-RELPOSNED has a fix or a heading"):
+    with pytest.raises(InputError, match="no NAV-PVT has a fix and no NAV-RELPOSNED a heading"):
         ubx.read(path)
     fix = ubx.read(written(path, *none, pvt(8000, fix=2), pvt(9000, fix=4))).gnss
     assert fix is not None
     np.testing.assert_array_equal(fix.time % 604800, [8, 9])
     np.testing.assert_array_equal(np.isnan(fix.position[:, 2]), [True, False])  # the first is flat
+
+
+def test_a_precise_position_counts_where_there_is_a_spatial_fix(tmp_path: Path) -> None:
+    """NAV-HPPOSLLH itself says neither that the fix is good nor of which type it is."""
+    epochs = [pvt(1000, flags=0), pvt(2000, fix=1), pvt(3000, fix=2), pvt(4000), pvt(5000)]
+    positions = [*(precise(tow) for tow in (1000, 2000, 3000, 4000)), precise(5000, invalid=1), precise(6000)]
+    fix = ubx.read(written(tmp_path / "log.ubx", *epochs, *positions)).gnss
+    assert fix is not None
+    np.testing.assert_array_equal(fix.time % 604800, [3, 4, 5])
+    np.testing.assert_array_equal(np.isnan(fix.position[:, 2]), [True, False, False])
+    np.testing.assert_allclose(fix.position_sigma[:, 0], [0.014, 0.0121, 0.014], rtol=1e-12)
 
 
 @pytest.mark.parametrize("number", [2, 3])
