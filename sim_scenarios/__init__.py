@@ -15,16 +15,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from sim_scenarios import report
     from sim_scenarios.campaigns import campaign
     from sim_scenarios.errors import InputError, SimulationError
     from sim_scenarios.exchange import export
     from sim_scenarios.metrics import Verdict, judge
-    from sim_scenarios.recorded_imu import Start, ZeroVelocity, replay
     from sim_scenarios.recording import load, save
+    from sim_scenarios.recordings.outages import Outages
+    from sim_scenarios.recordings.replay import replay
+    from sim_scenarios.recordings.start import Start
+    from sim_scenarios.recordings.zero_velocity import ZeroVelocity
     from sim_scenarios.simulation import bound, compare, run
 
 __all__ = [
     "InputError",
+    "Outages",
     "SimulationError",
     "Start",
     "Verdict",
@@ -36,6 +41,7 @@ __all__ = [
     "judge",
     "load",
     "replay",
+    "report",
     "run",
     "save",
 ]
@@ -45,14 +51,20 @@ _HOMES = {
     "errors": ("InputError", "SimulationError"),
     "exchange": ("export",),
     "metrics": ("Verdict", "judge"),
-    "recorded_imu": ("Start", "ZeroVelocity", "replay"),
     "recording": ("load", "save"),
+    "recordings.outages": ("Outages",),
+    "recordings.replay": ("replay",),
+    "recordings.start": ("Start",),
+    "recordings.zero_velocity": ("ZeroVelocity",),
     "simulation": ("bound", "compare", "run"),
 }
+_MODULES = ("report",)
 
 
 def __getattr__(name: str) -> object:
     """What the package offers, imported when it is first asked for: `truenorth --help` needs none of it."""
+    if name in _MODULES:
+        return import_module(f"{__name__}.{name}")
     for module, names in _HOMES.items():
         if name in names:
             return getattr(import_module(f"{__name__}.{module}"), name)

@@ -17,9 +17,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sim_scenarios.ensemble import FIGURES, Ensemble, Window, ensemble
+from sim_scenarios.ensemble import FIGURES, Ensemble, ensemble
 from sim_scenarios.metrics.statistics import chi_square_interval
 from sim_scenarios.processes import processes
+from sim_scenarios.timeline import Window
 
 
 @dataclass(frozen=True)

@@ -80,8 +80,7 @@ class Container:
         self,
         plant: Mapping[str, Number],
         filters: Sequence[Mapping[str, Number]],
-        duration: float,
-        period: float,
+        times: NDArray[np.float64],
     ) -> Recorded:
         """Run from 0 to the end, recording periodically and at fixes.
 
@@ -91,8 +90,8 @@ class Container:
             Parameters of the plant.
         filters : sequence of mapping of str to number
             Parameters of each filter, what it starts from included.
-        duration, period : float
-            Whole run, and between recorded instants [s].
+        times : ndarray, shape (n,)
+            Instants that are recorded, from the start to the end of the run [s].
 
         Returns
         -------
@@ -102,9 +101,8 @@ class Container:
         values = dict(_prefixed(SOURCE, plant))
         for sink, given in zip(self._sinks, filters, strict=True):
             values |= _prefixed(sink, given)
-        times = period * np.arange(round(duration / period) + 1, dtype=np.float64)
         with closing(Instance(self._fmu, "container", values)) as instance:
-            instance.begin_initialisation(0.0, duration)
+            instance.begin_initialisation(0.0, float(times[-1]))
             instance.finish_initialisation()
             return self._recorded(instance, times)
 

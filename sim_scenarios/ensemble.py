@@ -21,17 +21,18 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios import recorded_imu, recording, simulation
+from sim_scenarios import recording, simulation
 from sim_scenarios.attitude import wrap
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, did_you_mean
 from sim_scenarios.metrics.statistics import holds_since, is_measured, nees_of
+from sim_scenarios.recordings.residuals import residuals as residuals_of
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.timeline import RESOLUTION, Window, inside, within
 from sim_scenarios.units import ARCMIN
 
 Array = NDArray[np.float64]
-Window = tuple[float, float]
 
 HEADING, TILT_EAST, TILT_NORTH, NIS, NEES = 0, 1, 2, 9, 10
 TILT, VELOCITY, HORIZONTAL_VELOCITY, POSITION, HORIZONTAL = (
@@ -66,11 +67,9 @@ class Errors:
 
     def part(self, columns: int | slice, window: Window) -> Errors:
         """Some columns over a window, ends included."""
-        inside = (self.time >= window[0] - 1e-9) & (self.time <= window[1] + 1e-9)
-        if not inside.any():
-            raise InputError(f"nothing is recorded between {window[0]:g} s and {window[1]:g} s")
         chosen = slice(columns, columns + 1) if isinstance(columns, int) else columns
-        return replace(self, time=self.time[inside], values=self.values[:, inside, chosen])
+        time = within(self.time, self.time, *window)
+        return replace(self, time=time, values=self.values[:, inside(self.time, *window), chosen])
 
     def runs(self) -> Iterator[Errors]:
         """Each run alone."""
@@ -300,16 +299,16 @@ def _columns(run: xr.Dataset) -> Array:
     errors[:, VELOCITY] = run["velocity_error"].values
     errors[:, POSITION] = run["position_error"].values
     used = run["fix_used"].values
-    row = np.searchsorted(run["time"].values, run["fix_time"].values[used] - 1e-6)
-    inside = row < len(errors)
+    row = np.searchsorted(run["time"].values, run["fix_time"].values[used] - RESOLUTION)
+    recorded = row < len(errors)
     channels = is_measured(run)[used].sum(axis=1)  # none of a fix that a coarse stage used
     nis = np.where(channels > 0, run["nis"].values[used] / np.maximum(channels, 1), np.nan)
-    errors[row[inside], NIS] = nis[inside]
+    errors[row[recorded], NIS] = nis[recorded]
     if "measurement_sigma_estimate" in run:
         estimate = run["measurement_sigma_estimate"]
         units = np.array(estimate.attrs["units"].split())
         first = [i for unit in ("m", "m/s") for i in np.flatnonzero(units == unit)[:3]]
-        errors[row[inside], NOISE] = estimate.values[used][inside][:, first]
+        errors[row[recorded], NOISE] = estimate.values[used][recorded][:, first]
     if "covariance" in run:
         errors[:, NEES] = nees_of(run)
     return errors
@@ -372,7 +371,7 @@ def _residuals(path: Path, period: float, seed: int) -> dict[str, Array]:
 
     There is one recording: runs share its pieces, and what they say together is surer than it looks.
     """
-    rest = recorded_imu.residuals(path, period, span=60.0)
+    rest = residuals_of(path, period, span=60.0)
     start = round(37.0 * seed / period)
     return {name: np.roll(values, -start) for name, values in rest.items()}
 

@@ -84,6 +84,8 @@ class Variable:
     start: str | None
     min: str | None
     max: str | None
+    tunable: bool
+    """Whether it may be set between steps."""
 
     @property
     def settable(self) -> bool:
@@ -376,4 +378,5 @@ def _variable(variable: ModelVariable, units: Mapping[str, Unit]) -> Variable:
         start=variable.start,
         min=variable.min,
         max=variable.max,
+        tunable=variable.variability == "tunable",
     )

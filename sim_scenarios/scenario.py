@@ -10,7 +10,7 @@ shipped scenario states only what differs; its table `compare` replaces the whol
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -25,8 +25,8 @@ from pydantic import (
     model_validator,
 )
 
-from sim_scenarios import toml
 from sim_scenarios.bounds import Knowledge
+from sim_scenarios.catalogue import read_scenario, scenario_path
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import (
     ALIGNMENT_FILTER,
@@ -40,9 +40,8 @@ from sim_scenarios.fmus import (
     did_you_mean,
 )
 from sim_scenarios.names import Label, Name, Text
+from sim_scenarios.toml import dotted
 from sim_scenarios.units import DEGREE
-
-SHIPPED: Final = Path(__file__).parent / "scenarios"
 
 EKF_UKF_ROBUST: Final[dict[str, dict[str, Any]]] = {
     "EKF": {"predictor": "linearised", "corrector": "standard"},
@@ -71,7 +70,7 @@ def _parameters_of(part: str) -> BeforeValidator:
     def resolve(given: object, info: ValidationInfo) -> dict[str, Number]:
         fmu = _parts(info)[part]
         values: dict[str, Number] = {}
-        for name, value in _dotted(given):
+        for name, value in dotted(given):
             values |= fmu.assignments(name, value)
         return values
 
@@ -81,17 +80,6 @@ def _parameters_of(part: str) -> BeforeValidator:
 def _parts(info: ValidationInfo) -> Parts:
     parts: Parts = (info.context or {})["parts"]
     return parts
-
-
-def _dotted(table: object, prefix: str = "") -> Iterator[tuple[str, object]]:
-    """Entries of nested tables under their dotted names."""
-    if not isinstance(table, Mapping):
-        raise InputError(f"'{table}' is not a table")
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _dotted(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
 
 
 def _not_negative(value: float) -> float:
@@ -218,11 +206,6 @@ class Scenario(Table):
         return {label: {**self.filter, **variant} for label, variant in self.compare.items()}
 
 
-def shipped() -> dict[str, str]:
-    """Name and description of every scenario that comes with the package."""
-    return {path.stem: str(_read(path).get("description", "")) for path in sorted(SHIPPED.glob("*.toml"))}
-
-
 def load_scenario(
     name: str | Path,
     fmus: Fmus,
@@ -236,7 +219,7 @@ def load_scenario(
     Parameters
     ----------
     name : str or Path
-        Name of a shipped scenario, or path of a TOML file.
+        Name of a shipped scenario, or path of a TOML file, whose `.toml` may be left out.
     fmus : Fmus
         They have the FMUs whose parameters and units the file uses.
     seed : int, optional
@@ -252,7 +235,7 @@ def load_scenario(
     Scenario
     """
     path = scenario_path(name)
-    table = {"name": path.stem, **_read(path)}
+    table = {"name": path.stem, **read_scenario(path)}
     overriding = {**(settings or {}), **({} if seed is None else {"plant.seed": seed})}
     if "filter_fmu" in overriding:  # decides what the other entries may be
         table["filter_fmu"] = overriding.pop("filter_fmu")
@@ -272,6 +255,7 @@ def load_scenario(
     if compare is not None:
         table["compare"] = compare
     changed = _check(_overridden(table, parts, overriding), parts, "the settings")
+    changed = _bound_of_what_is_drawn(changed, overriding)
     if not (unchanged.notes and settings):
         return changed
     names = ", ".join(settings)
@@ -280,47 +264,19 @@ def load_scenario(
     )
 
 
-def scenario_path(name: str | Path) -> Path:
-    """Path of a scenario given by name or path."""
-    if isinstance(name, Path) or name.endswith(".toml") or "/" in name:
-        if toml.exists(Path(name)):
-            return Path(name)
-        raise InputError(f"there is no scenario file {name}")
-    path = SHIPPED / f"{name}.toml"
-    if toml.exists(path):
-        return path
-    names = [p.stem for p in sorted(SHIPPED.glob("*.toml"))]
-    hint = did_you_mean(name, names) or f"; there are {', '.join(names)}, or give the path of a .toml file"
-    raise InputError(f"there is no scenario '{name}'{hint}")
+def _bound_of_what_is_drawn(scenario: Scenario, settings: Mapping[str, object]) -> Scenario:
+    """Scenario whose bound knows a sigma of drawn biases that settings have changed, unless they say what.
 
-
-def _read(path: Path, above: tuple[Path, ...] = ()) -> dict[str, Any]:
-    """Content of a scenario file upon that of the one it extends; `above` are those that extend it."""
-    table = toml.read(path)
-    if "extends" not in table:
-        return table
-    try:
-        below = scenario_path(str(table.pop("extends")))
-    except InputError as error:
-        raise InputError(f"{path}: extends: {error}") from None
-    if below.resolve() in [one.resolve() for one in (*above, path)]:
-        raise InputError(f"{path}: extends: {below} extends this file in turn")
-    base = _read(below, (*above, path))
-    if "compare" in table:
-        base.pop("compare", None)
-    return _merged(base, table)
-
-
-def _merged(base: dict[str, Any], upper: dict[str, Any]) -> dict[str, Any]:
-    """Nested tables, entries of the upper one in front."""
-    merged = dict(base)
-    for key, value in upper.items():
-        below = merged.get(key)
-        if isinstance(below, dict) and isinstance(value, dict):
-            merged[key] = _merged(below, value)
-        else:
-            merged[key] = value
-    return merged
+    Biases that are no longer drawn (sigma 0) leave the bound as it is: it would have to know them exactly.
+    """
+    known: dict[str, Number] = {}
+    for sensor in ("gyro", "accelerometer"):
+        name, entry = f"imu.{sensor}.bias_sigma", f"{sensor}_bias_sigma"
+        is_changed = name in settings or f"plant.{name}" in settings
+        is_said = "bound" in settings or f"bound.{entry}" in settings
+        if is_changed and not is_said and scenario.plant[name] > 0:
+            known[entry] = scenario.plant[name]
+    return scenario.model_copy(update={"bound": scenario.bound.model_copy(update=known)})
 
 
 def _check(table: Mapping[str, Any], parts: Parts, where: Path | str) -> Scenario:
@@ -354,8 +310,8 @@ def _entries(location: tuple[str | int, ...]) -> list[str]:
 def _overridden(table: Mapping[str, Any], parts: Parts, settings: Mapping[str, object]) -> dict[str, Any]:
     """Scenario table with settings put where they belong; a filter's parameter goes to every variant."""
     own = {key: value for key, value in table.items() if key not in (*parts, "compare")}
-    given = {part: dict(_dotted(table.get(part, {}))) for part in parts}
-    compare = {label: dict(_dotted(variant)) for label, variant in table["compare"].items()}
+    given = {part: dict(dotted(table.get(part, {}))) for part in parts}
+    compare = {label: dict(dotted(variant)) for label, variant in table["compare"].items()}
     for name, value in settings.items():
         owner, parameter = setting_owner(name, parts)
         if owner in parts:

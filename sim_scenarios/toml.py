@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -55,6 +56,17 @@ def value(text: str) -> object:
     except (ValueError, RecursionError):
         return text.strip()
     return text.strip() if _depth(read_value) > DEEPEST else read_value
+
+
+def dotted(table: object, prefix: str = "") -> Iterator[tuple[str, object]]:
+    """Entries of nested tables under their dotted names."""
+    if not isinstance(table, Mapping):
+        raise InputError(f"'{table}' is not a table")
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from dotted(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
 
 
 def exists(path: Path) -> bool:

@@ -25,8 +25,8 @@ from sim_scenarios.campaigns import execution, store
 from sim_scenarios.campaigns.execution import Effort, Report
 from sim_scenarios.campaigns.plan import Case, Plan, cases, fingerprint, load_plan
 from sim_scenarios.campaigns.runs import Bench
-from sim_scenarios.cosimulation import Master
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.stepping import Master
 
 __all__ = ["Campaign", "Master", "campaign", "load_plan"]
 
@@ -93,7 +93,7 @@ def campaign(
     workers: int | None = None,
     scheduler: str | None = None,
     insecure: bool = False,
-    master: Master = Master.auto,
+    master: Master | str = Master.auto,
     report: Report = lambda _: None,
     fmus: Fmus | None = None,
     **given: Any,
@@ -112,8 +112,8 @@ def campaign(
         Address of a Dask scheduler to use instead: tls://, with certificates in Dask's configuration.
     insecure : bool
         Whether a scheduler of another machine may do without TLS.
-    master : Master
-        Who steps plant and filters; the results are the same.
+    master : Master or str
+        Who steps plant and filters, as enumeration or its value; the results are the same.
     report : callable
         Told of the progress after every batch.
     fmus : Fmus, optional
@@ -126,6 +126,6 @@ def campaign(
     xarray.Dataset
         See `store`; its arrays are read from disk as they are needed.
     """
-    made = Campaign.of(load_plan(name, **given), Path(folder), master, fmus)
+    made = Campaign.of(load_plan(name, **given), Path(folder), Master(master), fmus)
     made.run(workers=workers, scheduler=scheduler, insecure=insecure, report=report)
     return store.open_results(folder)

@@ -31,10 +31,10 @@ from sim_scenarios.campaigns import runs, store
 from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
 from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.campaigns.store import Batch
-from sim_scenarios.cosimulation import Master
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.processes import processes
+from sim_scenarios.stepping import Master
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")

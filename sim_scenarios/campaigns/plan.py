@@ -47,12 +47,12 @@ from pydantic import Field, ValidationError
 from sim_scenarios import faults, toml
 from sim_scenarios.campaigns.draws import Distribution, Draw, draw
 from sim_scenarios.campaigns.quantities import FIGURES, SERIES
+from sim_scenarios.catalogue import CAMPAIGNS, files, scenario_path
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
 from sim_scenarios.names import Label, Name, Text
-from sim_scenarios.scenario import Scenario, Table, load_scenario, scenario_path
+from sim_scenarios.scenario import Scenario, Table, load_scenario
 
-SHIPPED: Final = Path(__file__).parent / "shipped"
 LARGEST_SEED: Final = 2**31 - 1
 MOST_RUNS: Final = 1_000_000
 """Of a case: a hundred for each that a figure with three digits needs."""
@@ -330,13 +330,13 @@ def _unfaulted(case: Case, of: str) -> Case:
 
 def _campaign_path(name: str | Path) -> Path | None:
     """Path of a campaign file; None if the name is a scenario's."""
-    shipped = SHIPPED / f"{name}.toml"
-    if isinstance(name, str) and toml.exists(shipped):
+    if isinstance(name, str) and (shipped := files(CAMPAIGNS).get(name)):
         return shipped
-    path = Path(name)
-    if path.suffix == ".toml" and toml.exists(path) and "scenarios" in _read(path):
-        return path
-    return None
+    try:
+        path = scenario_path(name)
+    except InputError:
+        return None
+    return path if "scenarios" in _read(path) else None
 
 
 def _of_scenario(name: str | Path) -> dict[str, Any]:

@@ -18,7 +18,8 @@ from sim_scenarios.attitude import wrap
 from sim_scenarios.fmus import NAVIGATION_FILTER
 from sim_scenarios.metrics import certainty, hand_over, judge
 from sim_scenarios.metrics.certainty import QUANTITIES
-from sim_scenarios.metrics.statistics import holds_since, is_measured, rms, within
+from sim_scenarios.metrics.statistics import holds_since, is_measured, rms
+from sim_scenarios.timeline import RESOLUTION, inside, within
 
 Array = NDArray[np.float64]
 
@@ -155,9 +156,9 @@ def _sigma(run: xr.Dataset, name: str) -> Array:
 def _nis(run: xr.Dataset, period: float, rows: int) -> tuple[Array, Array]:
     """NIS and channels of the fixes that were used, summed up to each row."""
     used = run["fix_used"].values
-    row = np.ceil(run["fix_time"].values[used] / period - 1e-6).astype(int)
-    row, inside = np.clip(row, 0, rows - 1), row < rows
-    nis, channels = run["nis"].values[used] * inside, is_measured(run)[used].sum(axis=1) * inside
+    row = np.ceil((run["fix_time"].values[used] - RESOLUTION) / period).astype(int)
+    row, kept_in = np.clip(row, 0, rows - 1), row < rows
+    nis, channels = run["nis"].values[used] * kept_in, is_measured(run)[used].sum(axis=1) * kept_in
     summed = np.array([np.bincount(row, weights, rows) for weights in (nis, channels)], dtype=np.float64)
     return summed[0], summed[1]
 
@@ -170,7 +171,7 @@ def _figures(run: xr.Dataset, errors: Mapping[str, Array]) -> dict[str, Array]:
     time, verdict, handed = run["time"].values, judge(run), hand_over.of_run(run)
     converged = run["converged"].values
     deviation = np.abs(errors["heading"][converged]) / run["heading_sigma"].values[converged]
-    fixes = run["fix_used"].values & (run["fix_time"].values >= start) & (run["fix_time"].values <= stop)
+    fixes = run["fix_used"].values & inside(run["fix_time"].values, start, stop)
     figures = {
         **{f"{name}_rmse": rms(within(time, values, start, stop)) for name, values in errors.items()},
         "heading_end": errors["heading"][-1],

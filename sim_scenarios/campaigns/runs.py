@@ -16,11 +16,13 @@ from sim_scenarios.campaigns.plan import Case, filters_of
 from sim_scenarios.campaigns.quantities import FIGURES, FIX_OUTPUTS, OUTPUTS, SERIES, kept
 from sim_scenarios.campaigns.store import State
 from sim_scenarios.container import Container, obstacle
-from sim_scenarios.cosimulation import Master, Recorded
+from sim_scenarios.cosimulation import Recorded
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmu, Fmus, Number
 from sim_scenarios.metrics import hand_over
 from sim_scenarios.scenario import Scenario
+from sim_scenarios.stepping import Master
+from sim_scenarios.timeline import instants
 
 Array = NDArray[np.float64]
 Filters = Mapping[str, Mapping[str, Number]]
@@ -58,7 +60,7 @@ class Bench:
         scenario = case.with_seed(seed)
         filters = filters_of(scenario)
         try:
-            data = self._simulated(scenario, filters, self.uses_container(scenario))
+            data = self.simulated(scenario, filters, self.uses_container(scenario))
         except SimulationError:
             return self._one_by_one(scenario, filters, attributes)
         return self._outcome(data, attributes)
@@ -72,7 +74,8 @@ class Bench:
             raise InputError(f"{scenario.name} cannot run in a container: {reason}")
         return reason is None
 
-    def _simulated(self, scenario: Scenario, filters: Filters, container: bool) -> xr.Dataset:
+    def simulated(self, scenario: Scenario, filters: Filters, container: bool) -> xr.Dataset:
+        """Data set of one run of a scenario, by the container or by the Python master, without attributes."""
         record = self._record_in_container if container else self._record
         return simulation.dataset(record(scenario, filters), scenario, self.fmus, list(filters))
 
@@ -103,8 +106,7 @@ class Bench:
         return self._container(scenario, len(filters)).record(
             scenario.plant,
             [simulation.filter_values(fmu, start, values) for values in filters.values()],
-            scenario.duration,
-            scenario.recording_period,
+            instants(scenario.duration, scenario.communication_step, simulation.stride(scenario)),
         )
 
     def _one_by_one(self, scenario: Scenario, filters: Filters, attributes: Mapping[str, Any]) -> Outcome:
@@ -113,7 +115,7 @@ class Bench:
         failures: list[str] = []
         for label, values in filters.items():
             try:
-                data = self._simulated(scenario, {label: values}, container=False)
+                data = self.simulated(scenario, {label: values}, container=False)
             except SimulationError as error:  # noqa: PERF203
                 state[label] = State.failed
                 failures.append(str(error))

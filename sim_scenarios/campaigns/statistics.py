@@ -40,6 +40,7 @@ from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, that_counts
 from sim_scenarios.campaigns.store import State
 from sim_scenarios.metrics.certainty import QUANTITIES, WRONG
 from sim_scenarios.metrics.statistics import CONFIDENCE, chi_square_interval
+from sim_scenarios.timeline import RESOLUTION
 
 Array = NDArray[np.float64]
 
@@ -324,7 +325,7 @@ def _case_summary(
     recovery = _recoveries(case, unfaulted, labels, attributes["duration"])
 
     def nees_at(label: str, instant: float) -> Estimate:
-        row = int(np.searchsorted(case["time"].values, instant + 1e-6)) - 1
+        row = int(np.searchsorted(case["time"].values, instant + RESOLUTION)) - 1
         return Estimate(*(float(values[row]) for values in vars(nees[label]).values()))
 
     filters = {}
@@ -398,7 +399,7 @@ def _recoveries(
     """
     if unfaulted is None:
         return {label: np.full(case.sizes["run"], np.nan) for label in labels}
-    rows = case["time"].values <= duration + 1e-6
+    rows = case["time"].values <= duration + RESOLUTION
     series = [f"{name}_{what}" for name in QUANTITIES for what in ("deviation", "sigma")]
     loaded = [data[[*series, "state"]].isel(time=rows).load() for data in (case, unfaulted)]
     end = case["fault_end"].values

@@ -38,6 +38,7 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu
 from sim_scenarios.folders import discard, filled, remove
 from sim_scenarios.scenario import Scenario
+from sim_scenarios.timeline import RESOLUTION, inside
 
 NAME: Final = "campaign.zarr"
 DRAWN: Final = "drawn."
@@ -317,9 +318,9 @@ def _bounds(bounds: Sequence[xr.Dataset], time: NDArray[np.float64]) -> dict[str
                 continue
             at = bound["bound_time"].values
             start, stop = (bound.attrs[f"evaluation.{edge}"] for edge in ("start", "stop"))
-            inside = time <= at[-1] + 1e-6
-            series[i, inside] = sigma[np.searchsorted(at, time[inside] + 1e-6, side="right") - 1]
-            rms[i] = np.sqrt(np.mean(sigma[(at >= start) & (at <= stop)] ** 2))
+            known = time <= at[-1] + RESOLUTION
+            series[i, known] = sigma[np.searchsorted(at, time[known] + RESOLUTION, side="right") - 1]
+            rms[i] = np.sqrt(np.mean(sigma[inside(at, start, stop)] ** 2))
         unit, what = ERRORS[name].unit, f"Posterior Cramer-Rao bound of the {ERRORS[name].title.lower()}"
         variables[f"{name}_bound"] = (("scenario", "time"), series, _attributes(unit, what))
         about = _attributes(unit, f"{what}: RMS over the window")

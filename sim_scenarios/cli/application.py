@@ -1,31 +1,35 @@
-"""The subcommands together."""
+"""The command as a whole: what it says of itself, and the options that all subcommands have."""
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import typer
 
-from sim_scenarios.cli.bound import show_bound
-from sim_scenarios.cli.campaign import run_campaign
-from sim_scenarios.cli.compare import compare_filters
-from sim_scenarios.cli.export import export_scenario
-from sim_scenarios.cli.listing import list_scenarios
-from sim_scenarios.cli.paper import reproduce_paper
-from sim_scenarios.cli.replay import replay_recording
-from sim_scenarios.cli.run import run_scenario
-from sim_scenarios.cli.verify import verify_export
+from sim_scenarios.cli.commands import APPEARANCE, Commands
+from sim_scenarios.cli.terminal import Volume, speak
 
-app = typer.Typer(
-    name="truenorth",
-    no_args_is_help=True,
-    rich_markup_mode="markdown",
-    context_settings={"help_option_names": ["-h", "--help"]},
-    pretty_exceptions_enable=False,
-    add_completion=False,
-)
+app = typer.Typer(name="truenorth", cls=Commands, **APPEARANCE)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from sim_scenarios.version import product_version
+
+        print(f"truenorth {product_version() or 'of a checkout that is not installed'}")
+        raise typer.Exit
 
 
 @app.callback()
-def truenorth() -> None:
+def truenorth(
+    quiet: Annotated[
+        bool, typer.Option("--quiet", "-q", help="No progress, and nothing of what the FMUs say.")
+    ] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="All that the FMUs say.")] = False,
+    version: Annotated[  # noqa: ARG001  (it has ended the command)
+        bool, typer.Option("--version", help="Print the version.", callback=_show_version, is_eager=True)
+    ] = False,
+) -> None:
     """Put inertial alignment and navigation filters to the test.
 
     A plant FMU makes the signals of an IMU and a GNSS receiver, a filter FMU finds heading or position.
@@ -38,21 +42,14 @@ def truenorth() -> None:
         truenorth campaign zigzag -n 100         many runs, and what they say together
         truenorth paper zhou                     what a paper prints, and what is found
         truenorth bound zigzag                   how well any filter could do
+        truenorth import imu.csv gnss.pos        the description of a recording, drafted by looking
         truenorth replay imu.csv --heading 100   a recorded IMU through the filter
+        truenorth derive imu.csv                 noise of sensors and fixes, from a recording
+        truenorth parameters gyro                what can be set, its unit and its meaning
         truenorth export swaying_ship            for other tools: FMUs, SSP, OSP, reference results
         truenorth verify FOLDER                  whether an export is whole and still gives its results
 
     Each command explains itself: `truenorth run --help`. Exit code: 0 converged, or done; 1 not
     converged, or found wrong; 2 bad input; 130 interrupted; 143 terminated.
     """
-
-
-app.command("list")(list_scenarios)
-app.command("run")(run_scenario)
-app.command("compare")(compare_filters)
-app.command("campaign")(run_campaign)
-app.command("paper")(reproduce_paper)
-app.command("bound")(show_bound)
-app.command("replay")(replay_recording)
-app.command("export")(export_scenario)
-app.command("verify")(verify_export)
+    speak(Volume.quiet if quiet else Volume.verbose if verbose else Volume.normal)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from sim_scenarios import report, simulation
-from sim_scenarios.cli.options import AsJson, Output, Scenario, Seed, Settings, settings
+from sim_scenarios.cli.options import AsJson, Output, Scenario, Seed, Settings, SettingsFile, settings
 from sim_scenarios.cli.results import Results
 from sim_scenarios.cli.terminal import print_json, print_pairs, print_table, refusing_bad_input
 from sim_scenarios.units import ARCMIN
@@ -14,6 +13,7 @@ def show_bound(
     output: Output = None,
     seed: Seed = None,
     set_: Settings = None,
+    set_from: SettingsFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Show how well any filter could know the heading in a scenario.
@@ -27,9 +27,11 @@ def show_bound(
         truenorth bound zigzag
         truenorth bound waves --set gnss.velocity_sigma=0.02 --set gnss.rate=10
     """
+    from sim_scenarios import report, simulation  # slow: xarray, matplotlib
+
     with refusing_bad_input():
         results = Results(output)
-        data = simulation.bound(scenario, seed=seed, set=settings(set_))
+        data = simulation.bound(scenario, seed=seed, set=settings(set_, set_from))
         files = results.write(data, report.report_bound, f"{data.attrs['scenario']}-bound")
     if as_json:
         steady = data.attrs.get("bound.heading_rms_steady")

@@ -15,10 +15,17 @@ from rich.progress import BarColumn, TextColumn
 from rich.progress import Progress as Bar
 
 from sim_scenarios.cli import INTERRUPTED
-from sim_scenarios.cli.options import AsJson, Output, Settings, settings
+from sim_scenarios.cli.options import AsJson, Output, Settings, SettingsFile, settings
 from sim_scenarios.cli.results import DEFAULT, Results, storing
-from sim_scenarios.cli.terminal import console, print_json, print_pairs, print_table, refusing_bad_input
-from sim_scenarios.cosimulation import Master
+from sim_scenarios.cli.terminal import (
+    console,
+    is_quiet,
+    print_json,
+    print_pairs,
+    print_table,
+    refusing_bad_input,
+)
+from sim_scenarios.stepping import Master
 
 if TYPE_CHECKING:
     from sim_scenarios.campaigns import Campaign
@@ -84,6 +91,7 @@ def run_campaign(
     filters: Labels = None,
     named: NamedCases = None,
     set_: Settings = None,
+    set_from: SettingsFile = None,
     grid: Grid = None,
     output: Output = None,
     workers: Workers = None,
@@ -119,7 +127,7 @@ def run_campaign(
             seed=seed,
             filters=tuple(filters) if filters else None,
             cases=tuple(named) if named else None,
-            set=settings(set_),
+            set=settings(set_, set_from),
             grid=settings(grid),
         )
         folder = Results(output or DEFAULT / f"campaign-{plan.name}").output
@@ -186,6 +194,9 @@ def _effort(effort: Effort) -> dict[str, str]:
 @contextmanager
 def _progress(title: str) -> Iterator[Callable[[Progress], None]]:
     """Progress on standard error: a bar on a terminal, else a line for each tenth."""
+    if is_quiet():
+        yield lambda _: None
+        return
     standard_error = Console(stderr=True)
     if not standard_error.is_terminal:
         yield _tenths(title)

@@ -6,8 +6,8 @@ from typing import Annotated, Final
 
 import typer
 
-from sim_scenarios import matrix, report, simulation, toml
-from sim_scenarios.cli.options import AsJson, Output, Seed, Settings, settings
+from sim_scenarios import toml
+from sim_scenarios.cli.options import AsJson, Output, Seed, Settings, SettingsFile, settings
 from sim_scenarios.cli.results import Results
 from sim_scenarios.cli.terminal import (
     print_json,
@@ -19,7 +19,6 @@ from sim_scenarios.cli.terminal import (
     say_messages,
 )
 from sim_scenarios.errors import InputError
-from sim_scenarios.metrics.verdict import known
 
 Scenarios = Annotated[
     list[str],
@@ -48,6 +47,7 @@ def compare_filters(
     output: Output = None,
     seed: Seed = None,
     set_: Settings = None,
+    set_from: SettingsFile = None,
     axis: Axes = None,
     as_json: AsJson = False,
 ) -> None:
@@ -70,9 +70,9 @@ def compare_filters(
     """
     with refusing_bad_input():
         if len(scenarios) > 1 or axis:
-            ok = _matrix(scenarios, axes(axis), output, seed, settings(set_), as_json)
+            ok = _matrix(scenarios, axes(axis), output, seed, settings(set_, set_from), as_json)
         else:
-            ok = _comparison(scenarios[0], output, seed, settings(set_), as_json)
+            ok = _comparison(scenarios[0], output, seed, settings(set_, set_from), as_json)
     raise typer.Exit(0 if ok else 1)
 
 
@@ -93,6 +93,8 @@ def axes(given: list[str] | None) -> dict[str, list[object]]:
 
 
 def _comparison(scenario: str, output: Output, seed: Seed, changed: dict[str, object], as_json: bool) -> bool:
+    from sim_scenarios import matrix, report, simulation  # slow: xarray, matplotlib
+
     results = Results(output)
     with progress(scenario) as advance:
         runs = simulation.compare(scenario, seed=seed, set=changed, progress=advance)
@@ -119,6 +121,9 @@ def _matrix(
     changed: dict[str, object],
     as_json: bool,
 ) -> bool:
+    from sim_scenarios import matrix, report
+    from sim_scenarios.metrics.verdict import known
+
     results = Results(output)
     folder = results.folder("matrix")
     verdicts, files = {}, {}

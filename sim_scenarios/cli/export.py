@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from sim_scenarios.cli.options import AsJson, Scenario, Seed, Settings, settings
+from sim_scenarios.cli.options import AsJson, Scenario, Seed, Settings, SettingsFile, settings
 from sim_scenarios.cli.results import Results, storing
 from sim_scenarios.cli.terminal import print_json, print_pairs, refusing_bad_input
 from sim_scenarios.exchange import STEP, export
@@ -22,6 +22,7 @@ def export_scenario(
     ] = None,
     seed: Seed = None,
     set_: Settings = None,
+    set_from: SettingsFile = None,
     step: Annotated[float, typer.Option(help="Communication step of the exported system [s].")] = STEP,
     as_json: AsJson = False,
 ) -> None:
@@ -36,7 +37,7 @@ def export_scenario(
         folder = output or Path("truenorth-export") / file_name(Path(scenario).stem)
         Results(folder)
         with storing(folder):
-            system = export(scenario, folder, seed=seed, set=settings(set_), step=step)
+            system = export(scenario, folder, seed=seed, set=settings(set_, set_from), step=step)
     files = {"ssp": str(folder / f"{system.name}.ssp"), "readme": str(folder / "README.md")}
     if as_json:
         print_json({"scenario": system.name, "communication_step": system.step, **files})

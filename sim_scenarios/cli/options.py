@@ -7,13 +7,21 @@ from typing import Annotated
 
 import typer
 
-from sim_scenarios import toml
+from sim_scenarios import catalogue, toml
 from sim_scenarios.errors import InputError
+
+
+def scenarios(incomplete: str) -> list[tuple[str, str]]:
+    """Names and descriptions of the scenarios that begin so, for the completion of a shell."""
+    return [(name, text) for name, text in catalogue.scenarios().items() if name.startswith(incomplete)]
+
 
 Scenario = Annotated[
     str,
     typer.Argument(
-        help="Name of a shipped scenario (`truenorth list`), or path of a TOML file.", show_default=False
+        help="Name of a shipped scenario (`truenorth list`), or of a TOML file, with `.toml` or without.",
+        show_default=False,
+        autocompletion=scenarios,
     ),
 ]
 Output = Annotated[
@@ -37,17 +45,33 @@ Settings = Annotated[
         show_default=False,
     ),
 ]
+SettingsFile = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--set-from",
+        metavar="FILE",
+        help="Take settings from a TOML file, such as one of `truenorth derive`; --set goes before it. "
+        "Repeatable.",
+        show_default=False,
+    ),
+]
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else there.")
 ]
 
 
-def settings(given: list[str] | None) -> dict[str, object]:
-    """Settings NAME=VALUE; a value is read as in a scenario file, a bare text needs no quotes."""
+def settings(given: list[str] | None, files: list[Path] | None = None) -> dict[str, object]:
+    """Settings of files, and settings NAME=VALUE in front of them.
+
+    A value is read as in a scenario file, a bare text needs no quotes; tables of a file give dotted names.
+    """
     values: dict[str, object] = {}
+    for path in files or []:
+        values |= dict(toml.dotted(toml.read(path)))
     for setting in given or []:
         name, equals, text = setting.partition("=")
         if not equals or not name.strip():
             raise InputError(f"--set {setting}: write NAME=VALUE")
+        values.pop(name.strip(), None)  # the last setting counts, also of an array and its elements
         values[name.strip()] = toml.value(text)
     return values

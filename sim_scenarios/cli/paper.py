@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from sim_scenarios.benchmark import filter_steps
+from sim_scenarios.catalogue import papers
 from sim_scenarios.cli.options import AsJson, Output
 from sim_scenarios.cli.results import Results, storing
 from sim_scenarios.cli.terminal import (
@@ -22,13 +23,13 @@ from sim_scenarios.cli.terminal import (
     say,
 )
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.papers import Paper, load_paper, page, shipped
+from sim_scenarios.papers import Paper, load_paper, page
 from sim_scenarios.papers.claims import Point, Swept, Timed, points
 from sim_scenarios.papers.reproduction import Plan, Plans, plans, result_of, run_plans
 from sim_scenarios.processes import processes, workers_of
 
 Name = Annotated[
-    str, typer.Argument(metavar="NAME", help=f"One of {', '.join(shipped())}.", show_default=False)
+    str, typer.Argument(metavar="NAME", help=f"One of {', '.join(papers())}.", show_default=False)
 ]
 List = Annotated[
     bool,

@@ -8,13 +8,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-import xarray as xr
-
-from sim_scenarios import recording
 from sim_scenarios.errors import InputError
 from sim_scenarios.folders import filled
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 DEFAULT: Final = Path("truenorth-results")
 
@@ -51,6 +51,8 @@ class Results:
         self, data: xr.Dataset, report: Callable[[xr.Dataset, Path], Path], name: str
     ) -> dict[str, str]:
         """Write report and recording; their paths."""
+        from sim_scenarios import recording  # slow: xarray
+
         folder = self.folder(name)
         with storing(folder), filled(folder) as draft:
             page = report(data, draft)

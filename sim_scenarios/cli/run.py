@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from sim_scenarios import report, simulation
-from sim_scenarios.cli.options import AsJson, Output, Scenario, Seed, Settings, settings
+from sim_scenarios.cli.options import AsJson, Output, Scenario, Seed, Settings, SettingsFile, settings
 from sim_scenarios.cli.results import Results
 from sim_scenarios.cli.terminal import (
     print_json,
@@ -15,7 +14,6 @@ from sim_scenarios.cli.terminal import (
     refusing_bad_input,
     say_messages,
 )
-from sim_scenarios.metrics import judge
 
 
 def run_scenario(
@@ -23,6 +21,7 @@ def run_scenario(
     output: Output = None,
     seed: Seed = None,
     set_: Settings = None,
+    set_from: SettingsFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Run a scenario with its filter and judge the heading, or the navigation.
@@ -33,14 +32,17 @@ def run_scenario(
         truenorth run swaying_ship --seed 7
         truenorth run swaying_ship --set prior.heading_sigma="20 deg"
         truenorth run zigzag --set corrector=standard --set gnss.rate=5
-        truenorth run my_ship.toml --output results --json
+        truenorth run my_ship --output results --json        # my_ship.toml of this folder
 
     Exit code 0 when the heading converged (or the horizontal position kept its limit), 1 when it did not.
     """
+    from sim_scenarios import report, simulation  # slow: xarray, matplotlib
+    from sim_scenarios.metrics import judge
+
     with refusing_bad_input():
         results = Results(output)
         with progress(scenario) as advance:
-            run = simulation.run(scenario, seed=seed, set=settings(set_), progress=advance)
+            run = simulation.run(scenario, seed=seed, set=settings(set_, set_from), progress=advance)
         verdict = judge(run)
         name = f"{run.attrs['scenario']}-seed{run.attrs['seed']}"
         files = results.write(run, report.report_run, name)

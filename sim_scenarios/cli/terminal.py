@@ -7,15 +7,42 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from enum import Enum
+from typing import TYPE_CHECKING, Final, NoReturn
 
 import typer
-import xarray as xr
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from sim_scenarios.errors import InputError, SimulationError
-from sim_scenarios.names import printable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class Volume(Enum):
+    """How much is said on standard error, besides what went wrong."""
+
+    quiet = "no progress, no messages"
+    normal = "progress, and a few messages of the FMUs"
+    verbose = "progress, and all messages of the FMUs"
+
+
+FEW: Final = 5
+"""Messages of the FMUs that are told unless all are asked for."""
+
+_volume = Volume.normal
+
+
+def speak(volume: Volume) -> None:
+    """Say so much, and no more, from now on."""
+    global _volume
+    _volume = volume
+
+
+def is_quiet() -> bool:
+    """Whether there is no progress to be told."""
+    return _volume is Volume.quiet
 
 
 @contextmanager
@@ -24,17 +51,27 @@ def refusing_bad_input() -> Iterator[None]:
     try:
         yield
     except (InputError, SimulationError) as error:
-        typer.echo(f"truenorth: {printable(str(error))}", err=True)
-        raise typer.Exit(2) from None
+        _refuse(str(error))
     except OSError as error:  # of the machine: no space, no file descriptor, no permission
         where = "" if error.filename is None else f"{error.filename}: "
-        typer.echo(f"truenorth: {printable(f'{where}{error.strerror or error}')}", err=True)
-        raise typer.Exit(2) from None
+        _refuse(f"{where}{error.strerror or error}")
+
+
+def _refuse(sentence: str) -> NoReturn:
+    from sim_scenarios.names import printable  # slow: pydantic
+
+    typer.echo(f"truenorth: {printable(sentence)}", err=True)
+    raise typer.Exit(2) from None
 
 
 @contextmanager
 def progress(title: str) -> Iterator[Callable[[float], None]]:
     """Progress on standard error: a bar on a terminal, else a line for each quarter."""
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    if is_quiet():
+        yield lambda _: None
+        return
     standard_error = Console(stderr=True)
     if not standard_error.is_terminal:
         yield _quarters(title)
@@ -76,19 +113,21 @@ def print_json(content: Mapping[str, object]) -> None:
     print(json.dumps(content, indent=2, allow_nan=False))
 
 
-def say_messages(data: xr.Dataset, most: int = 5) -> None:
-    """What the FMUs said, if it is not too much."""
+def say_messages(data: xr.Dataset) -> None:
+    """What the FMUs said, the beginning of it unless all is asked for."""
     messages = json.loads(data.attrs["messages"])
-    standard_error = Console(stderr=True, highlight=False)
+    most = {Volume.quiet: 0, Volume.normal: FEW, Volume.verbose: len(messages)}[_volume]
+    standard_error = Console(stderr=True, highlight=False, quiet=is_quiet())
     for message in messages[:most]:
-        standard_error.print(message, style="dim", markup=False)
+        standard_error.print(message, style="dim", markup=False, soft_wrap=True)
     if len(messages) > most:
         standard_error.print(f"... and {len(messages) - most} more messages, in the report", style="dim")
 
 
 def say(sentence: str) -> None:
     """What is about to happen, on standard error."""
-    print(sentence, file=sys.stderr, flush=True)
+    if not is_quiet():
+        print(sentence, file=sys.stderr, flush=True)
 
 
 def print_verdict(sentence: str, good: bool) -> None:

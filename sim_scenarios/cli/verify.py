@@ -10,7 +10,6 @@ import typer
 
 from sim_scenarios.cli.options import AsJson
 from sim_scenarios.cli.terminal import console, print_json, print_verdict, refusing_bad_input
-from sim_scenarios.exchange.verification import verify
 
 
 def verify_export(
@@ -26,6 +25,8 @@ def verify_export(
 
     Nothing is run whose content has changed. Exit code 0 when all holds, 1 when something does not.
     """
+    from sim_scenarios.exchange.verification import verify  # slow: FMPy
+
     with refusing_bad_input():
         checks = verify(path)
     holds = all(check.holds for check in checks)

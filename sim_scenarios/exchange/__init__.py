@@ -28,7 +28,6 @@ from tempfile import TemporaryDirectory
 
 from sim_scenarios import recording, report
 from sim_scenarios.archives import archive_bytes, as_bytes, read_archive
-from sim_scenarios.cosimulation import Order
 from sim_scenarios.exchange import checksums, documents, evidence, reference, replay, start_values
 from sim_scenarios.exchange.forms import FMI2, FORMS, Form
 from sim_scenarios.exchange.system import Component, System, of_scenario
@@ -36,6 +35,7 @@ from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import filled, temporary
 from sim_scenarios.scenario import Scenario, load_scenario
 from sim_scenarios.simulation import run_filters
+from sim_scenarios.stepping import Order
 
 __all__ = ["Component", "System", "export"]
 

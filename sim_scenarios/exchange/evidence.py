@@ -9,13 +9,13 @@ import re
 import subprocess
 import zipfile
 from collections.abc import Mapping
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
 
 from sim_scenarios.archives import read_archive
 from sim_scenarios.exchange.system import System
+from sim_scenarios.version import product_version
 
 FOLDER = "extra/org.truenorth"
 """Of the evidence in an FMU."""
@@ -32,14 +32,6 @@ _LIBRARIES = {
 """Libraries in the FMUs by name: licence, a file of theirs in the sources, and how it tells the version,
 which cereal does nowhere in what an FMU needs of it.
 """
-
-
-def product_version() -> str | None:
-    """Version of the installed package."""
-    try:
-        return version("truenorth")
-    except PackageNotFoundError:
-        return None
 
 
 def provenance(system: System, settings: Mapping[str, object]) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim_scenarios.cosimulation import Order, Table
+from sim_scenarios.cosimulation import Table
 from sim_scenarios.exchange.forms import Entry
 from sim_scenarios.exchange.start_values import text
 from sim_scenarios.exchange.system import System
@@ -23,6 +23,7 @@ from sim_scenarios.fmus import Fmus
 from sim_scenarios.instance import Port
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.simulation import connect
+from sim_scenarios.stepping import Order
 
 Columns = Mapping[str, NDArray[Any]]
 OUTPUT_INTERVAL = 1.0
@@ -60,7 +61,8 @@ def simulate(scenario: Scenario, fmus: Fmus, system: System) -> dict[str, Result
     rows = (len(times) - 1) // every + 1
     with ExitStack() as stack:
         source, (sink,) = connect(scenario, fmus, {system.filter.name: scenario.filter}, stack, Order.jacobi)
-        instances = (source.instance, *([source.alignment] if source.alignment else []), sink.instance)
+        parts = (source.instance, source.alignment, sink.instance)
+        instances = [instance for instance in parts if instance is not None]
         by_name = dict(zip((c.name for c in system.components), instances, strict=True))
         signals = [
             Table(Port(by_name[c.start], list(c.outputs.values())), len(times)) for c in system.connections

@@ -9,8 +9,9 @@ import numpy as np
 import xarray as xr
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.metrics.statistics import heading_rmse, holds_since, rms, within
+from sim_scenarios.metrics.statistics import heading_rmse, holds_since, rms
 from sim_scenarios.metrics.verdict import FIT, Rmse, Verdict, common, status_at_end, window
+from sim_scenarios.timeline import within
 from sim_scenarios.units import ARCMIN
 
 

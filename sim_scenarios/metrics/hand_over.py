@@ -9,6 +9,7 @@ import xarray as xr
 
 from sim_scenarios.metrics.verdict import status_at_end
 from sim_scenarios.recording import ALIGNMENT, HAND_OVER
+from sim_scenarios.timeline import RESOLUTION
 from sim_scenarios.units import ARCMIN
 
 
@@ -40,7 +41,7 @@ class HandOver:
     @property
     def in_time(self) -> bool:
         """Whether the filter navigates from the start of the evaluation on."""
-        return self.time is not None and self.time <= self.due
+        return self.time is not None and self.time <= self.due + RESOLUTION
 
     def failure(self) -> str:
         """Why there is nothing to evaluate, in a sentence."""

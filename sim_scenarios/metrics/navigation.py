@@ -16,7 +16,7 @@ import xarray as xr
 from sim_scenarios.attitude import wrap
 from sim_scenarios.metrics import hand_over
 from sim_scenarios.metrics.hand_over import HandOver
-from sim_scenarios.metrics.statistics import nees_of, rms, within
+from sim_scenarios.metrics.statistics import nees_of, rms
 from sim_scenarios.metrics.verdict import (
     FIT,
     Rmse,
@@ -28,6 +28,7 @@ from sim_scenarios.metrics.verdict import (
     window,
 )
 from sim_scenarios.recording import under_way
+from sim_scenarios.timeline import within
 from sim_scenarios.units import ARCMIN
 
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import chdtri
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.errors import InputError
+from sim_scenarios.timeline import within
 
 Array = NDArray[np.float64]
 
@@ -52,14 +52,6 @@ class NisStatistics:
         if self.count == 0:
             return "no fix was used"
         return f"{self.mean:.3f} ({self.lower:.2f} to {self.upper:.2f} is consistent)"
-
-
-def within(time: Array, values: Array, start: float, stop: float) -> Array:
-    """Values at the times start..stop, ends included; time is their first dimension."""
-    inside = values[(time >= start) & (time <= stop)]
-    if len(inside) == 0:
-        raise InputError(f"nothing is recorded between {start:g} s and {stop:g} s")
-    return inside
 
 
 def rms(values: ArrayLike) -> float:

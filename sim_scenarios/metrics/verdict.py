@@ -12,6 +12,7 @@ import xarray as xr
 from sim_scenarios.metrics import certainty
 from sim_scenarios.metrics.certainty import Certainty
 from sim_scenarios.metrics.statistics import NisStatistics, is_measured, nis_statistics
+from sim_scenarios.timeline import Window, inside
 
 FIT: Final = ("aligning", "converged")
 """Status of a filter whose estimate may be relied on; in any other it may not, however small its error."""
@@ -113,7 +114,7 @@ def cell(value: float, digits: int) -> str:
     return "-" if math.isnan(value) else f"{value:.{digits}f}"
 
 
-def window(run: xr.Dataset) -> tuple[float, float]:
+def window(run: xr.Dataset) -> Window:
     """Start and stop of the evaluation of a run [s]."""
     return float(run.attrs["evaluation.start"]), float(run.attrs["evaluation.stop"])
 
@@ -129,7 +130,7 @@ def common(run: xr.Dataset) -> dict[str, Any]:
     """What every verdict says of a run: its fixes, and whether the filter was rightly sure."""
     start, stop = window(run)
     time, used = run["fix_time"].values, run["fix_used"].values
-    counted = used & (time >= start) & (time <= stop)
+    counted = used & inside(time, start, stop)
     return {
         "nis": nis_statistics(run["nis"].values[counted], is_measured(run)[counted].sum(axis=1)),
         "used_fixes": int(used.sum()),

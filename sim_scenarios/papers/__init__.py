@@ -12,7 +12,7 @@ the scenario compares ::
     name = "printed"                     # by which figures refer to it
     scenario = "swaying_ship_printed"
     set = { "gnss.rate" = 10.0 }         # as --set of `truenorth run`; may be left out
-    residuals = "parked.csv.gz"          # a recording (see `recorded_imu`) whose residuals join the noise
+    residuals = "parked.csv.gz"          # a recording (see `recordings`) whose residuals join the noise
     also = ["EKF"]                       # filters that run, of which the paper says nothing
     cost = 2.5                           # seconds of one core a run, as measured
     time = { "UKF / EKF" = "larger" }    # what the paper says of the time of a step
@@ -55,24 +55,22 @@ A paper that says no number is quoted in a word. A figure without a number is ou
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import AfterValidator, Field, StringConstraints, ValidationError, model_validator
 
 from sim_scenarios import toml
+from sim_scenarios.catalogue import PAPERS, files
 from sim_scenarios.ensemble import FIGURES
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
 from sim_scenarios.plots.ensemble import PANELS
 from sim_scenarios.scenario import Table
-
-SHIPPED: Final = Path(__file__).parent
+from sim_scenarios.timeline import Window
 
 OVER: Final = " / "
 """Between the two filters of a ratio."""
 
-Window = tuple[float, float]
 Cost = Annotated[float, Field(gt=0)]
 """Seconds of one core a run."""
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
@@ -212,14 +210,9 @@ class Paper(Table):
         ]
 
 
-def shipped() -> dict[str, Path]:
-    """Papers that come with the package, by name."""
-    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
-
-
 def load_paper(name: str) -> Paper:
     """Paper of a name."""
-    papers = shipped()
+    papers = files(PAPERS)
     if name not in papers:
         hint = did_you_mean(name, list(papers)) or f"; there are {', '.join(papers)}"
         raise InputError(f"there is no paper '{name}'{hint}")

@@ -25,7 +25,6 @@ from sim_scenarios.ensemble import (
     FIGURES,
     Ensemble,
     Errors,
-    Window,
     at_end,
     ensemble,
     largest,
@@ -35,8 +34,9 @@ from sim_scenarios.ensemble import (
 )
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.papers import OVER, Experiment, Paper, Printed, Sweep
-from sim_scenarios.recorded_imu import RECORDINGS, recording_named
+from sim_scenarios.recordings.folder import RECORDINGS, recording_named
 from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.timeline import Window
 
 OfOne = Callable[[ArrayLike], Estimate]
 OfTwo = Callable[[ArrayLike, ArrayLike], Estimate]

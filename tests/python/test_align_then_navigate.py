@@ -18,12 +18,12 @@ from sim_scenarios.campaigns.plan import cases, load_plan
 from sim_scenarios.campaigns.runs import Bench, why_no_container
 from sim_scenarios.campaigns.store import State
 from sim_scenarios.cli.application import app
-from sim_scenarios.cosimulation import Master, Order
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import judge
 from sim_scenarios.report import report_comparison, report_run
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.stepping import Master, Order
 
 STEP = 0.01
 SOON = {

@@ -2,7 +2,7 @@
 
 import time
 
-from sim_scenarios.benchmark import Clock, shares
+from sim_scenarios.benchmark import Clock, replay_speed, shares
 from sim_scenarios.fmus import Fmus
 
 
@@ -23,3 +23,11 @@ def test_shares_of_a_run(fmus: Fmus) -> None:
     assert set(parts) == {"plant step", "filter step", "get and set", "loop and recording"}
     assert all(spent > 0 for spent in parts.values())
     assert sum(parts.values()) < elapsed
+
+
+def test_the_speed_of_a_replay_is_that_of_the_clock(fmus: Fmus) -> None:
+    start = time.perf_counter()
+    speeds = replay_speed(fmus, seconds=20.0)
+    elapsed = time.perf_counter() - start
+    assert set(speeds) == {"alignment", "navigation"}
+    assert sum(20.0 / speed for speed in speeds.values()) < elapsed

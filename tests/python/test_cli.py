@@ -14,8 +14,11 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner, Result
 
+from sim_scenarios import catalogue
 from sim_scenarios.cli.application import app
-from sim_scenarios.cli.terminal import print_names, print_table
+from sim_scenarios.cli.commands import COMMANDS, command
+from sim_scenarios.cli.terminal import FEW, print_names, print_table
+from sim_scenarios.version import product_version
 
 SHORT = ["--set", "duration=60", "--set", "evaluation.start=30"]
 LONG = ["--set", "duration=320"]
@@ -142,14 +145,106 @@ def test_bound(tmp_path: Path) -> None:
 
 
 def test_list() -> None:
-    assert "swaying_ship" in truenorth("list").stdout
-    assert "zigzag" in json.loads(truenorth("list", "--json").stdout)
+    said = truenorth("list").stdout
+    assert all(name in said for name in ("swaying_ship", "filters_by_scenario", "Zhou 2011"))
+    assert json.loads(truenorth("list", "--json").stdout) == catalogue.scenarios()
+    assert json.loads(truenorth("list", "--campaigns", "--json").stdout) == catalogue.campaigns()
+    only = truenorth("list", "--papers").stdout
+    assert "zhou" in only
+    assert "swaying_ship" not in only
+
+
+SLOW = {"dask", "fmpy", "matplotlib", "numpy", "scipy", "xarray", "zarr"}
+
+
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["list"], ["list", "--json"], ["--version"], ["run", "--help"]]
+)
+def test_what_answers_at_once_imports_nothing_that_takes_long(arguments: list[str]) -> None:
+    code = (
+        "import sys, sim_scenarios.cli as cli\n"
+        "try: cli.main()\n"
+        f"except SystemExit as end: print(end.code, sorted({SLOW} & sys.modules.keys()), file=sys.stderr)"
+    )
+    command = [sys.executable, "-c", code, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert done.stderr.splitlines()[-1] == "0 []"
+    assert done.stdout
+
+
+def test_the_help_tells_of_every_command_what_its_own_help_begins_with() -> None:
+    said = " ".join(truenorth("--help").stdout.replace("│", " ").split())
+    for name in COMMANDS:
+        summary = " ".join((command(name).help or "").partition("\n\n")[0].replace("`", "").split())
+        assert f"{name} {summary}" in said
+
+
+def test_a_shell_completes_commands_options_and_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:
+    def completed(words: str, word: int) -> list[str]:
+        monkeypatch.setenv("_TRUENORTH_COMPLETE", "complete_bash")
+        monkeypatch.setenv("COMP_WORDS", words)
+        monkeypatch.setenv("COMP_CWORD", str(word))
+        return CliRunner().invoke(app, prog_name="truenorth").stdout.split()
+
+    assert completed("truenorth pa", 1) == ["parameters", "paper"]
+    assert "--output" in completed("truenorth run --", 2)
+    assert completed("truenorth run zig", 2) == ["zigzag"]
+
+
+def test_version() -> None:
+    assert truenorth("--version").stdout == f"truenorth {product_version()}\n"
+
+
+@pytest.mark.usefixtures("fmus")
+def test_quiet_and_verbose(tmp_path: Path) -> None:
+    """Of a filter that is fed with values that are no numbers for 20 s."""
+    fault = ["fault.imu.kind=not_a_number", "fault.imu.begin=5", "fault.imu.duration=20"]
+    run = ["run", "swaying_ship", *SHORT, *(part for one in fault for part in ("--set", one)), "-o", tmp_path]
+    quiet, normal, verbose = (truenorth(*how, *run) for how in (["-q"], [], ["-v"]))
+    assert quiet.stdout == normal.stdout == verbose.stdout
+    assert quiet.stderr == ""
+    assert "swaying_ship: 100 %" in normal.stderr
+    said = [line for line in verbose.stderr.splitlines() if not line.endswith(" %")]
+    told = [line for line in normal.stderr.splitlines() if not line.endswith(" %")]
+    assert said[:FEW] == told[:FEW]
+    assert said
+    assert len(said) <= FEW or told[-1] == f"... and {len(said) - FEW} more messages, in the report"
+
+
+@pytest.mark.usefixtures("fmus")
+def test_parameters() -> None:
+    """As the model description has them: in their display units, with arrays in one line."""
+    found = json.loads(truenorth("parameters", "gyro", "--json").stdout)
+    assert set(found) == {"TruthPlant", "AlignmentFilter", "NavigationFilter"}
+    sigma = next(one for one in found["TruthPlant"] if one["name"] == "imu.gyro.bias_sigma")
+    assert (sigma["unit"], sigma["default"], sigma["elements"]) == ("deg/h", ["0.05"], 1)
+    assert (sigma["units"][0], sigma["tunable"]) == ("rad/s", False)
+    noise = next(one for one in found["AlignmentFilter"] if one["name"] == "process.angle_random_walk")
+    assert noise["tunable"]
+    lines = truenorth("parameters", "AlignmentFilter", "corrector").stdout
+    assert "standard, h_infinity" in lines
+    assert "TruthPlant" not in lines
+    assert "gnss.lever_arm (3)" in truenorth("parameters", "AlignmentFilter", "lever").stdout
+
+
+@pytest.mark.usefixtures("fmus")
+def test_a_scenario_of_the_folder_needs_no_toml(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my_ship.toml").write_text('extends = "swaying_ship"\n')
+    (tmp_path / "below").mkdir()
+    (tmp_path / "below" / "zigzag.toml").write_text('extends = "turn"\n')
+    own = json.loads(truenorth("run", "my_ship", *SHORT, "--json").stdout)
+    assert own["scenario"] == "my_ship"
+    assert catalogue.scenario_path("below/zigzag") == Path("below/zigzag.toml")
+    assert catalogue.scenario_path("zigzag").parent == catalogue.SCENARIOS
 
 
 @pytest.mark.usefixtures("fmus")
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (["parameters", "gyroscope"], "no parameter of TruthPlant, AlignmentFilter, NavigationFilter has"),
+        (["parameters", "Plant", "gyro"], "there is no FMU 'Plant'; there are TruthPlant"),
         (["run", "swaying_shp"], "did you mean 'swaying_ship'"),
         (["run", "nowhere.toml"], "there is no scenario file nowhere.toml"),
         (["run", "swaying_ship", "--set", "robust.gama=1"], "did you mean 'robust.gamma'"),

@@ -9,10 +9,11 @@ import pytest
 
 from sim_scenarios import simulation
 from sim_scenarios.campaigns.plan import Case, cases, load_plan
-from sim_scenarios.campaigns.runs import Bench, Master, why_no_container
+from sim_scenarios.campaigns.runs import Bench, why_no_container
 from sim_scenarios.container import obstacle
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.stepping import Master
 
 supported = pytest.mark.skipif(
     obstacle(0.1, 1.0) is not None, reason=f"no container for {platform.system()} {platform.machine()}"

@@ -12,6 +12,7 @@ from sim_scenarios.ensemble import (
     HEADING,
     HORIZONTAL,
     NIS,
+    POSITION,
     TILT_EAST,
     VELOCITY,
     Ensemble,
@@ -65,6 +66,18 @@ def test_the_median_run_settles_and_a_failed_one_is_counted() -> None:
     assert median_settling(three) == 2.0  # of 2 s, 1 s and never
     assert failures(three) == 3  # the first two by the 5.0 that they begin with
     assert failures(three.part(0, (1.0, 2.0))) == 1
+
+
+def test_a_run_has_failed_whose_root_mean_square_is_beyond_twice_the_limit() -> None:
+    runs = errors(np.array([[1.99, 1.99], [2.01, 2.01], [0.0, 3.0]])[:, :, None], limit=1.0)
+    assert failures(runs) == 2  # 3 / 2^0.5 = 2.12
+
+
+def test_every_component_of_the_position_has_its_own_figure() -> None:
+    values = np.zeros((2, 3, COLUMNS))
+    values[:, :, POSITION] = [3.0, 4.0, 7.0]
+    runs = Ensemble({"a": errors(values)}, {"evaluation.start": 0.0, "evaluation.stop": 2.0})
+    assert [runs.figure(name, "a") for name in ("horizontal", "vertical")] == pytest.approx([5.0, 7.0])
 
 
 def test_a_figure_is_taken_over_its_window_in_its_unit() -> None:

@@ -1,13 +1,15 @@
 """Scenario files: what is accepted, what is refused and how."""
 
+import re
 from pathlib import Path
 
 import pytest
 
 from sim_scenarios import toml
+from sim_scenarios.catalogue import scenarios
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.scenario import load_scenario, shipped
+from sim_scenarios.scenario import load_scenario
 from sim_scenarios.units import DEGREE
 
 SHIPPED = {
@@ -49,8 +51,8 @@ def written(folder: Path, text: str) -> Path:
 
 
 def test_all_scenarios_are_shipped_and_described() -> None:
-    assert set(shipped()) == SHIPPED
-    assert all(len(description) > 30 for description in shipped().values())
+    assert set(scenarios()) == SHIPPED
+    assert all(len(description) > 30 for description in scenarios().values())
 
 
 @pytest.mark.parametrize("name", sorted(SHIPPED))
@@ -291,3 +293,12 @@ def test_a_wrong_name_is_answered_with_the_right_one(fmus: Fmus) -> None:
 )
 def test_values_on_the_command_line(text: str, value: object) -> None:
     assert toml.value(text) == value
+
+
+def test_the_scenario_of_the_documents_is_one(tmp_path: Path, fmus: Fmus) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "scenarios.md").read_text()
+    (shown,) = re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    (tmp_path / "mine.toml").write_text(shown)
+    scenario = load_scenario(tmp_path / "mine", fmus)
+    assert scenario.plant["gnss.rate"] == 5.0
+    assert scenario.bound.gyro_bias_sigma == scenario.plant["imu.gyro.bias_sigma"]

@@ -14,19 +14,20 @@ from matrix import (
     code_of,
     document,
     file_of_test,
-    papers,
     tracked,
 )
+from matrix import papers as papers_of_matrix
 from pydantic import ValidationError
 
-from sim_scenarios.papers import load_paper, shipped
+from sim_scenarios.catalogue import papers
+from sim_scenarios.papers import load_paper
 
-PAPERS = {paper.name: paper for paper in papers()}
+PAPERS = {paper.name: paper for paper in papers_of_matrix()}
 CITED = re.compile(r"eqs?\. (\d+(?:(?:, | and | to |-)\d+)*)")
 
 
 def test_every_paper_is_there() -> None:
-    assert PAPERS.keys() == shipped().keys()
+    assert PAPERS.keys() == papers().keys()
 
 
 @pytest.mark.parametrize("name", PAPERS)

@@ -22,9 +22,9 @@ from sim_scenarios.campaigns.execution import Progress
 from sim_scenarios.campaigns.plan import cases
 from sim_scenarios.campaigns.runs import bound
 from sim_scenarios.campaigns.store import State
-from sim_scenarios.cosimulation import Master
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.stepping import Master
 
 SETTINGS = {"duration": 30.0, "evaluation.start": 10.0}
 RUNS = 16

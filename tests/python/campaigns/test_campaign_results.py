@@ -13,11 +13,12 @@ import sim_scenarios
 from sim_scenarios.campaigns import campaign
 from sim_scenarios.campaigns.plan import cases, load_plan
 from sim_scenarios.campaigns.quantities import FIGURES, SERIES
-from sim_scenarios.campaigns.runs import Bench, Master
+from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.campaigns.store import NAME, State, open_results
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import judge
+from sim_scenarios.stepping import Master
 from sim_scenarios.units import ARCMIN
 
 SETTINGS = {"duration": 40.0, "evaluation.start": 20.0, "evaluation.stop": 40.0}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import statistics
 
 import numpy as np
 import pytest
@@ -32,6 +33,29 @@ def binomial_range(trials: int, probability: float) -> tuple[float, float]:
     """Range of a share that a true probability leaves once in 10 000 tests."""
     low, high = stats.binom.interval(1 - 1e-4, trials, probability)
     return low / trials, high / trials
+
+
+def test_the_interval_of_the_rmse_of_a_few_runs_in_closed_form() -> None:
+    """Student's t with the unbiased variance: of four runs, that of all of them would be a quarter less."""
+    squares = [1.0, 4.0, 9.0, 2.0]
+    own = root_mean_square(np.sqrt(squares))
+    influence = [square / (2 * statistics.mean(squares)) for square in squares]
+    reach = stats.t.ppf(0.975, 3) * statistics.stdev(influence) / 4**0.5
+    assert own.value == pytest.approx(2.0)
+    assert np.log([own.lower, own.upper]) == pytest.approx([np.log(2) - reach, np.log(2) + reach])
+
+
+def test_the_interval_of_a_share_of_time_of_a_few_runs_in_closed_form() -> None:
+    """Clopper and Pearson for as many instants as give the unbiased variance of the ratio over runs."""
+    part, share = [1.0, 2.0, 0.0, 5.0], 0.2
+    own = time_share(part, [10.0] * 4)
+    variance = statistics.variance([(w - share * 10.0) / 10.0 for w in part]) / 4
+    few = (stats.norm.ppf(0.975) / stats.t.ppf(0.975, 3)) ** 2
+    instants = few * share * (1 - share) / variance
+    events = share * instants
+    lower = stats.beta.ppf(0.025, events, instants - events + 1)
+    upper = stats.beta.ppf(0.975, events + 1, instants - events)
+    assert (own.value, own.lower, own.upper) == pytest.approx((share, lower, upper))
 
 
 @pytest.mark.parametrize("runs", [20, 100])

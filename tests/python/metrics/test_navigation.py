@@ -97,6 +97,14 @@ def test_errors_are_root_mean_squares_over_the_window() -> None:
     assert verdict.horizontal_sigma == pytest.approx(np.sqrt(2) * SIGMA["position"])
 
 
+def test_every_component_of_the_position_has_its_own_root_mean_square() -> None:
+    run = consistent()
+    east, north, up = 3.0, 4.0, 7.0
+    offset = np.tile([east, north, up], (len(TIME), 1))
+    verdict = verdict_on(run.assign(position_error=(("time", "axis3"), offset)))
+    assert (verdict.horizontal, verdict.vertical) == pytest.approx((5.0, up))
+
+
 def test_consistency() -> None:
     run = consistent()
     verdict = verdict_on(run)

@@ -11,11 +11,12 @@ import pytest
 from typer.testing import CliRunner
 
 from sim_scenarios.campaigns.statistics import root_mean_square
+from sim_scenarios.catalogue import papers
 from sim_scenarios.cli.application import app
 from sim_scenarios.ensemble import COLUMNS, HEADING, NOISE, VELOCITY, Ensemble, Errors
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.papers import Paper, Printed, load_paper, shipped
+from sim_scenarios.papers import Paper, Printed, load_paper
 from sim_scenarios.papers.claims import Swept, Timed, points
 from sim_scenarios.papers.page import draw, noise_scale
 from sim_scenarios.papers.reproduction import Result, beside, plans
@@ -24,7 +25,7 @@ from sim_scenarios.scenario import load_scenario
 from sim_scenarios.units import ARCMIN
 
 
-@pytest.mark.parametrize("name", list(shipped()))
+@pytest.mark.parametrize("name", list(papers()))
 def test_a_paper_names_scenarios_and_filters_that_exist(name: str, fmus: Fmus) -> None:
     paper = load_paper(name)
     for experiment in paper.experiment:
@@ -167,7 +168,7 @@ def test_the_true_noise_of_fixes_is_equation_21_of_jing_2023(fmus: Fmus) -> None
     np.testing.assert_allclose(scale, expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize("name", list(shipped()))
+@pytest.mark.parametrize("name", list(papers()))
 def test_the_list_names_every_figure(name: str) -> None:
     result = CliRunner().invoke(app, ["paper", name, "--list", "--json"])
     assert result.exit_code == 0, result.output
@@ -176,7 +177,7 @@ def test_the_list_names_every_figure(name: str) -> None:
     assert all(row["in_the_paper"] and row["here"] for row in rows)
 
 
-@pytest.mark.parametrize("name", list(shipped()))
+@pytest.mark.parametrize("name", list(papers()))
 def test_every_picture_is_drawn(name: str, fmus: Fmus) -> None:
     """Of errors that are made up: that the curves of each figure exist, and lie in a file of their own."""
     paper = load_paper(name)

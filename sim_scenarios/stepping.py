@@ -1,0 +1,32 @@
+"""Who steps plant and filters, and who steps first."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import NoReturn
+
+from sim_scenarios.errors import InputError
+
+
+class Choice(str, Enum):
+    """One of a few; its value stands for it wherever it is asked for."""
+
+    @classmethod
+    def _missing_(cls, value: object) -> NoReturn:
+        choices = ", ".join(one.value for one in cls)
+        raise InputError(f"{cls.__name__.lower()} = {value!r}: must be one of {choices}")
+
+
+class Order(Choice):
+    """Who steps first."""
+
+    gauss_seidel = "gauss-seidel"
+    jacobi = "jacobi"
+
+
+class Master(Choice):
+    """Who steps plant and filters."""
+
+    auto = "auto"  # the container where it can
+    container = "container"
+    python = "python"

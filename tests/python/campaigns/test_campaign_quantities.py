@@ -1,0 +1,24 @@
+"""What a campaign keeps of a run, against errors that are known in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import sim_scenarios
+from sim_scenarios.campaigns.quantities import kept
+from sim_scenarios.fmus import Fmus
+
+
+def test_every_error_is_that_of_its_components(fmus: Fmus) -> None:
+    run = sim_scenarios.run("swaying_ship", set={"duration": 20.0, "evaluation.start": 10.0}, fmus=fmus)
+    constant = {"attitude": (3e-3, 4e-3, 9e-3), "position": (3.0, 4.0, 7.0), "velocity": (0.2, 0.3, 0.6)}
+    rows = run.sizes["time"]
+    made = run.assign(
+        {f"{name}_error": (("time", "axis3"), np.tile(error, (rows, 1))) for name, error in constant.items()}
+    ).assign(heading_error=("time", np.full(rows, -0.01)))
+    figures = kept(made, 1.0)
+    expected = {"heading": 0.01, "tilt": 5e-3, "velocity": 0.7, "horizontal": 5.0, "vertical": 7.0}
+    assert {name: float(figures[f"{name}_rmse"]) for name in expected} == pytest.approx(expected)
+    assert figures["heading_error"] == pytest.approx(np.full(21, -0.01))
+    assert figures["vertical_error"] == pytest.approx(np.full(21, 7.0))

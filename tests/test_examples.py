@@ -1,0 +1,73 @@
+"""The examples run as they are, and find what they are there to show."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+
+def aligns(said: str) -> None:
+    assert re.search(r"^Converged: heading RMSE [\d.]+ arcmin", said, re.MULTILINE)
+    assert Path(re.search(r"^Pictures: (.*)$", said, re.MULTILINE)[1]).name == "report.html"
+
+
+def shows_what_the_gate_is_worth(said: str) -> None:
+    rmse = dict(re.findall(r"^(.*?)  +heading RMSE +([\d.]+) arcmin", said, re.MULTILINE))
+    assert set(rmse) == {f"{one}, {gate}" for one in ("UKF", "robust UKF") for gate in ("gate", "no gate")}
+    for one in ("UKF", "robust UKF"):
+        assert 3 * float(rmse[f"{one}, gate"]) < float(rmse[f"{one}, no gate"])
+
+
+def finds_the_heading_that_was_made(said: str) -> None:
+    heading, sigma, made = map(
+        float, re.search(r"is ([\d.]+) deg .* of ([\d.]+) deg; .* be ([\d.]+)", said).groups()
+    )
+    assert sigma < 0.2
+    assert abs(heading - made) < 4 * sigma
+
+
+def tells_intervals(said: str) -> None:
+    for label in ("EKF", "UKF"):
+        found = re.search(
+            rf"^{label}: heading RMSE ([\d.]+) arcmin \(([\d.]+) to ([\d.]+)\) over 4 runs",
+            said,
+            re.MULTILINE,
+        )
+        value, lower, upper = map(float, found.groups())
+        assert lower < value < upper
+
+
+def aligns_within_its_sigma(said: str) -> None:
+    error, sigma = map(float, re.search(r"error ([-+\d.]+) arcmin, sigma ([\d.]+)", said).groups())
+    assert 5 < sigma < 30
+    assert abs(error) < 4 * sigma
+
+
+FINDS: dict[str, Callable[[str], None]] = {
+    "first_alignment": aligns,
+    "compare_filters": shows_what_the_gate_is_worth,
+    "own_imu": finds_the_heading_that_was_made,
+    "small_campaign": tells_intervals,
+    "fmpy_alone": aligns_within_its_sigma,
+}
+
+
+def test_every_example_is_run_and_listed() -> None:
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == FINDS.keys()
+    listed = (EXAMPLES / "README.md").read_text()
+    assert all(f"({name}.py)" in listed for name in FINDS)
+
+
+@pytest.mark.parametrize("name", FINDS)
+def test_an_example_runs_as_it_is(tmp_path: Path, name: str) -> None:
+    command = [sys.executable, str(EXAMPLES / f"{name}.py")]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    FINDS[name](done.stdout)
