@@ -68,6 +68,6 @@ def test_every_example_is_run_and_listed() -> None:
 @pytest.mark.parametrize("name", FINDS)
 def test_an_example_runs_as_it_is(tmp_path: Path, name: str) -> None:
     command = [sys.executable, str(EXAMPLES / f"{name}.py")]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=1200, check=False)
     assert done.returncode == 0, done.stderr
     FINDS[name](done.stdout)

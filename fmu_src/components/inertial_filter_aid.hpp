@@ -101,24 +101,31 @@ bool InertialFilter<Interface, Engines...>::alone() const {
     return clock_ - gnss_used_ > parameters.coasting.delay;
 }
 
+// Of the position; nothing for a model that has none.
+template <class E>
+Eigen::Matrix3d position_variance(const E& engine) {
+    constexpr auto where = E::Where::position;
+    if constexpr (where.count == 3) {
+        const auto& covariance = engine.covariance();  // by value or by reference, as the engine has it
+        return covariance.template block<3, 3>(where.first, where.first);
+    } else {
+        return Eigen::Matrix3d::Zero();
+    }
+}
+
 // Starts again level, as a log that measured the acceleration says, with any heading and the position that
 // there is.
 template <class Interface, class... Engines>
 template <class E>
 void InertialFilter<Interface, Engines...>::start_again_level(E& engine, double angle) {
-    constexpr auto where = E::Where::position;
-    const auto before = engine.covariance();
-    Uncertainty place;
-    if constexpr (where.count == 3) {
-        place.position = before.template block<3, 3>(where.first, where.first);
-    }
+    const Eigen::Matrix3d place = position_variance(engine);
     const Eigen::Vector3d velocity = engine.best().velocity;
     Change proposal{.rotation = leveller_.upright(angle)};
     proposal.velocity = proposal.rotation * velocity - velocity;
     const Discrepancy nowhere{.position = Eigen::Vector3d::Zero(), .velocity = Eigen::Vector3d::Zero()};
     const Change change = engine.start_again(
         proposal, {Recovery::kTilt, Recovery::kTilt, Recovery::kAnyHeading}, nowhere, false);
-    engine.add_uncertainty(place);
+    engine.add_uncertainty({.position = place});
     turn(change.rotation);
     history_.shift(change.velocity, change.displacement);
 }

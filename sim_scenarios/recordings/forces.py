@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sim_scenarios.recordings import stamps
 from sim_scenarios.recordings.tables import Array, ImuTable
@@ -66,7 +65,7 @@ def of_unit(imu: ImuTable) -> str:
 def mean_size(force: Array, time: Array) -> float:
     """Mean size of a force that vibrates: of its means over a second, shape (n, 3); nan if none is known."""
     blocks = _blocks(force, time)
-    known: NDArray[np.bool_] = np.isfinite(blocks).all(axis=2)
+    known = np.isfinite(blocks.sum(axis=2))
     count = known.sum(axis=1)
     total = np.where(known[:, :, None], blocks, 0.0).sum(axis=1)[count > 0]
     sizes = np.linalg.norm(total / count[count > 0, None], axis=1)

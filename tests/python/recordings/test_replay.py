@@ -228,7 +228,7 @@ def test_without_a_heading_the_alignment_is_one_that_needs_none(ship: Recording,
 
 
 def test_what_is_likely_wrong_is_told(all_fmus: Fmus) -> None:
-    town = TownDrive().recording(20.0)
+    town = TownDrive().recording(60.0)
     left = [part[:, [1, 0, 2]] * [1, -1, 1] for part in (town.imu.delta_angle, town.imu.delta_velocity)]
     made = replace(town, imu=ImuTable(town.imu.time, *left), remarks=("one row left out",))
     run = sim_scenarios.replay(made, Start(heading=0.0), filter="navigation", fmus=all_fmus)
