@@ -53,7 +53,7 @@ def derive_noise(
 
         truenorth derive parked.csv.gz --from 300 --to 600
         truenorth derive recording.toml --output derived
-        truenorth replay recording.toml --set-from derived/noise.toml
+        truenorth replay recording.toml --filter navigation --set-from derived/noise.toml
     """
     from sim_scenarios.folders import filled  # slow: what follows needs matplotlib and xarray
     from sim_scenarios.names import file_name
