@@ -9,7 +9,7 @@
 namespace truenorth::aiding {
 
 // Of a sensor at `lever_arm` from the IMU, body [m]; right, forward, up [m/s].
-Observation<3> body_velocity(const Moment& moment, const Eigen::Vector3d& lever_arm,
-                             const Eigen::Vector3d& measured);
+Observation body_velocity(const Moment& moment, const Eigen::Vector3d& lever_arm,
+                          const Eigen::Vector3d& measured);
 
 }  // namespace truenorth::aiding

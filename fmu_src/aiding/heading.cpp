@@ -1,7 +1,5 @@
 #include "aiding/heading.hpp"
 
-#include <limits>
-
 #include "inertial/attitude.hpp"
 
 namespace truenorth::aiding {
@@ -15,18 +13,18 @@ Eigen::RowVector3d heading_gradient(const Eigen::Quaterniond& q_bn) {
     return {-forward.x() * forward.z() / level, -forward.y() * forward.z() / level, 1.0};
 }
 
-Observation<1> heading(const Moment& moment, double measured) {
+Observation heading(const Moment& moment, double measured) {
     const Eigen::Quaterniond& q_bn = moment.state.q_bn;
-    const Eigen::RowVector3d gradient = heading_gradient(q_bn);
     const double difference =
         wrap_angle(euler_angles(q_bn.toRotationMatrix()).heading + moment.sensors(kHeadingBias) - measured);
     constexpr double kLevelEnough = 0.03;  // cos^2 of 80 degrees
     const bool defined = (q_bn * Eigen::Vector3d::UnitY()).head<2>().squaredNorm() > kLevelEnough;
-    Observation<1> observation{
-        .difference = Vector<1>(defined ? difference : std::numeric_limits<double>::quiet_NaN()),
-        .sensitivity = Matrix<1, kErrors>::Zero()};
-    observation.sensitivity.segment<3>(kMisalignment) = gradient;
-    observation.own(kHeadingBias) = -1.0;
+    Observation observation;
+    if (defined) {
+        observation.difference = Observation::single(difference);
+    }
+    observation.sensitivity.block<1, 3>(0, kMisalignment) = heading_gradient(q_bn);
+    observation.own(0, kHeadingBias) = -1.0;
     return observation;
 }
 

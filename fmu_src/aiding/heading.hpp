@@ -14,6 +14,6 @@ Eigen::RowVector3d heading_gradient(const Eigen::Quaterniond& q_bn);
 
 // `measured`: clockwise from north [rad]; the difference is within half a turn. Not a number where the
 // forward axis is steeper than 80 degrees: small tilts are large headings there.
-Observation<1> heading(const Moment& moment, double measured);
+Observation heading(const Moment& moment, double measured);
 
 }  // namespace truenorth::aiding

@@ -5,6 +5,6 @@
 
 namespace truenorth::aiding {
 
-Observation<1> height(const Moment& moment, double measured);  // [m]
+Observation height(const Moment& moment, double measured);  // [m]
 
 }  // namespace truenorth::aiding

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "estimation/appended.hpp"
 #include "estimation/gaussian.hpp"
@@ -40,37 +41,52 @@ struct Moment {
     Appended::Constants sensors = Appended::Constants::Zero();  // errors of the sensors, as they are known
 };
 
-template <int K>
+// What one measurement has at most; what has fewer leaves the last out, as not measured.
+inline constexpr int kChannels = 3;
+
 struct Observation {
-    Vector<K> difference;            // predicted minus measured
-    Matrix<K, kErrors> sensitivity;  // of the prediction, to the errors of the state
+    Vector<kChannels> difference = not_measured();  // predicted minus measured
+    // Of the prediction, to the errors of the state.
+    Matrix<kChannels, kErrors> sensitivity = Matrix<kChannels, kErrors>::Zero();
     // Of the difference, to what the errors of the sensors are more than they are known to be.
-    Matrix<K, kSensorErrors> own = Matrix<K, kSensorErrors>::Zero();
+    Matrix<kChannels, kSensorErrors> own = Matrix<kChannels, kSensorErrors>::Zero();
+    bool is_velocity = false;  // in body axes
+
+    static Vector<kChannels> not_measured() {
+        return Vector<kChannels>::Constant(std::numeric_limits<double>::quiet_NaN());
+    }
+
+    // A measurement of one channel.
+    static Vector<kChannels> single(double value) {
+        Vector<kChannels> measured = not_measured();
+        measured(0) = value;
+        return measured;
+    }
 };
 
-// As a measurement of a model, and of constants of the sensor besides.
-template <int N, int K>
+// As a measurement of N states of a model, and of constants of the sensor besides.
+template <int N>
 struct Sight {
-    Innovation<N, K> innovation;
-    Matrix<kSensorErrors, K> own;  // covariance of the constants and the prediction
+    Innovation<N, kChannels> innovation;
+    Matrix<kSensorErrors, kChannels> own;  // covariance of the constants and the prediction
 };
 
 // N states of the model, of covariance P, make the errors `errors` times the states. `unmodelled`: covariance
 // of what else is in the difference. A component that is not a number has not been measured.
-template <int N, int K>
-Sight<N, K> sight_of(const Observation<K>& observation, const Vector<K>& sigma,
-                     const Matrix<kErrors, N>& errors, const Matrix<N>& P, const Appended& sensors,
-                     const Matrix<K>& unmodelled = Matrix<K>::Zero()) {
-    const Matrix<K, N> H = observation.sensitivity * errors;
-    const Matrix<K, kSensorErrors>& L = observation.own;
+template <int N>
+Sight<N> sight_of(const Observation& observation, const Vector<kChannels>& sigma,
+                  const Matrix<kErrors, N>& errors, const Matrix<N>& P, const Appended& sensors,
+                  const Matrix<kChannels>& unmodelled = Matrix<kChannels>::Zero()) {
+    const Matrix<kChannels, N> H = observation.sensitivity * errors;
+    const Matrix<kChannels, kSensorErrors>& L = observation.own;
     const Matrix<N, kSensorErrors> C = sensors.cross<N>();
-    const Matrix<N, K> cross = P * H.transpose() + C * L.transpose();
-    Sight<N, K> sight{.innovation = {observation.difference, H * cross, unmodelled, cross},
-                      .own = C.transpose() * H.transpose() + sensors.covariance() * L.transpose()};
+    const Matrix<N, kChannels> cross = P * H.transpose() + C * L.transpose();
+    Sight<N> sight{.innovation = {observation.difference, H * cross, unmodelled, cross},
+                   .own = C.transpose() * H.transpose() + sensors.covariance() * L.transpose()};
     sight.innovation.spread += L * sight.own;
     symmetrise(sight.innovation.spread);
     sight.innovation.noise.diagonal() += sigma.cwiseAbs2();
-    for (int i = 0; i < K; ++i) {
+    for (int i = 0; i < kChannels; ++i) {
         if (std::isnan(observation.difference(i))) {
             sight.innovation.remove(i);
             sight.own.col(i).setZero();

@@ -44,6 +44,14 @@ struct AidMemory {
         return admitted;
     }
 
+    // One has come. What was before a silence says nothing of what is now.
+    void hear(double now) {
+        if (!heard_of_late(now)) {
+            mean.restart();
+        }
+        heard = now;
+    }
+
     // What is not heard any more contradicts nothing.
     [[nodiscard]] bool heard_of_late(double now) const { return now - heard <= window.length; }
 

@@ -19,15 +19,17 @@ struct AidDoubt {
     Uncertainty prediction;
     int own;
     int own_count;
+    double own_least;     // how large they may be, by what was refused: of an aid whose one error it is
     bool binds_velocity;  // the sensor bears the navigation where there are no fixes
 };
 
-template <class Aid, int K>
-AidDoubt doubt_of(const Vector<K>& residual) {
+template <class Aid>
+AidDoubt doubt_of(const Eigen::Vector3d& residual) {
     return {.name = Aid::kName,
             .prediction = Aid::doubt(residual),
             .own = Aid::kOwn,
             .own_count = Aid::kOwnCount,
+            .own_least = Aid::kOwnCount == 1 ? residual.norm() : 0.0,
             .binds_velocity = Aid::kBindsVelocity};
 }
 
@@ -37,7 +39,6 @@ AidDoubt doubt_of(const Vector<K>& residual) {
 
 struct BodyVelocityAid {
     static constexpr const char* kName = "body_velocity";
-    static constexpr int kChannels = 3;
     static constexpr bool kBindsVelocity = true;
     static constexpr bool kIsHeight = false;
     static constexpr int kOwn = aiding::kScale;
@@ -47,24 +48,27 @@ struct BodyVelocityAid {
     double sigma;  // [m/s]
 
     template <class Port>
-    static Vector<3> measured(const Port& port) {
+    static Eigen::Vector3d measured(const Port& port) {
         return port.velocity;
     }
-    static bool possible(const Vector<3>& measured) {
+    template <class Port>
+    static Eigen::Vector3d sigma_of(const Port& port) {
+        return port.sigma;
+    }
+    static bool possible(const Eigen::Vector3d& measured) {
         return !(measured.array().abs() > GnssInput::kLargestSpeed).any();
     }
-    [[nodiscard]] aiding::Observation<3> observe(const aiding::Moment& moment,
-                                                 const Vector<3>& measured) const {
+    [[nodiscard]] aiding::Observation observe(const aiding::Moment& moment,
+                                              const Eigen::Vector3d& measured) const {
         return aiding::body_velocity(moment, lever_arm, measured);
     }
-    static Uncertainty doubt(const Vector<3>& residual) {
+    static Uncertainty doubt(const Eigen::Vector3d& residual) {
         return {.velocity = residual.squaredNorm() * Eigen::Matrix3d::Identity()};
     }
 };
 
 struct HeadingAid {
     static constexpr const char* kName = "heading_aid";
-    static constexpr int kChannels = 1;
     static constexpr bool kBindsVelocity = false;
     static constexpr bool kIsHeight = false;
     static constexpr int kOwn = aiding::kHeadingBias;
@@ -73,24 +77,27 @@ struct HeadingAid {
     double sigma;  // [rad]
 
     template <class Port>
-    static Vector<1> measured(const Port& port) {
-        return Vector<1>(port.heading);
+    static Eigen::Vector3d measured(const Port& port) {
+        return aiding::Observation::single(port.heading);
     }
-    static bool possible(const Vector<1>& measured) {
+    template <class Port>
+    static Eigen::Vector3d sigma_of(const Port& port) {
+        return aiding::Observation::single(port.sigma);
+    }
+    static bool possible(const Eigen::Vector3d& measured) {
         return std::abs(measured(0)) <= GnssInput::kLargestLongitude;  // a turn either way
     }
-    [[nodiscard]] static aiding::Observation<1> observe(const aiding::Moment& moment,
-                                                        const Vector<1>& measured) {
+    [[nodiscard]] static aiding::Observation observe(const aiding::Moment& moment,
+                                                     const Eigen::Vector3d& measured) {
         return aiding::heading(moment, measured(0));
     }
-    static Uncertainty doubt(const Vector<1>& residual) {
+    static Uncertainty doubt(const Eigen::Vector3d& residual) {
         return {.attitude = Eigen::Vector3d(0.0, 0.0, residual.squaredNorm()).asDiagonal()};
     }
 };
 
 struct HeightAid {
     static constexpr const char* kName = "height_aid";
-    static constexpr int kChannels = 1;
     static constexpr bool kBindsVelocity = false;
     static constexpr bool kIsHeight = true;
     static constexpr int kOwn = aiding::kHeightBias;
@@ -99,17 +106,21 @@ struct HeightAid {
     double sigma;  // [m]
 
     template <class Port>
-    static Vector<1> measured(const Port& port) {
-        return Vector<1>(port.height);
+    static Eigen::Vector3d measured(const Port& port) {
+        return aiding::Observation::single(port.height);
     }
-    static bool possible(const Vector<1>& measured) {
+    template <class Port>
+    static Eigen::Vector3d sigma_of(const Port& port) {
+        return aiding::Observation::single(port.sigma);
+    }
+    static bool possible(const Eigen::Vector3d& measured) {
         return measured(0) >= GnssInput::kLowest && measured(0) <= GnssInput::kHighest;
     }
-    [[nodiscard]] static aiding::Observation<1> observe(const aiding::Moment& moment,
-                                                        const Vector<1>& measured) {
+    [[nodiscard]] static aiding::Observation observe(const aiding::Moment& moment,
+                                                     const Eigen::Vector3d& measured) {
         return aiding::height(moment, measured(0));
     }
-    static Uncertainty doubt(const Vector<1>& residual) {
+    static Uncertainty doubt(const Eigen::Vector3d& residual) {
         return {.position = Eigen::Vector3d(0.0, 0.0, residual.squaredNorm()).asDiagonal()};
     }
 };

@@ -1,7 +1,5 @@
 #include "components/alignment_filter.hpp"
 
-#include "components/inertial_filter_aid.hpp"
-#include "components/inertial_filter_fix.hpp"
 #include "components/inertial_filter_run.hpp"
 
 namespace truenorth {

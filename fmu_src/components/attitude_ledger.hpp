@@ -5,8 +5,9 @@
 // Innovations alone do not show it: information on heading comes in small parts, each within its covariance.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <cmath>
+
+#include "inertial/attitude.hpp"
 
 namespace truenorth {
 
@@ -29,10 +30,7 @@ class AttitudeLedger {
     }
 
     // A correction has turned it, ENU.
-    void turn(const Eigen::Matrix3d& rotation) {
-        const Eigen::AngleAxisd turned(rotation);
-        corrected_ += turned.angle() * turned.axis();
-    }
+    void turn(const Eigen::Matrix3d& rotation) { corrected_ += rotation_vector(rotation); }
 
     struct Gyros {
         double bias = 0.0;              // sigma [rad/s]

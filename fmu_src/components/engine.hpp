@@ -7,36 +7,15 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
 #include "aiding/observation.hpp"
+#include "components/aid_update.hpp"
+#include "components/change.hpp"
 #include "components/hand_over.hpp"
 #include "estimation/corrector.hpp"
 #include "estimation/estimator.hpp"
 
 namespace truenorth {
-
-// What a correction did to the mechanisation.
-struct Change {
-    bool finite = true;  // false: the estimate is not, and cannot be used any more
-    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // of the computed attitude
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      // [m/s]
-    Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  // [m]
-
-    // A state to which this has happened.
-    [[nodiscard]] NavigationState of(const NavigationState& before) const {
-        return {.q_bn = (Eigen::Quaterniond(rotation) * before.q_bn).normalized(),
-                .velocity = before.velocity + velocity,
-                .position = earth::displaced(before.position, displacement)};
-    }
-
-    // From one state to another.
-    static Change between(const NavigationState& before, const NavigationState& after) {
-        return {.rotation = (after.q_bn * before.q_bn.conjugate()).toRotationMatrix(),
-                .velocity = after.velocity - before.velocity,
-                .displacement = earth::displacement(before.position, after.position)};
-    }
-};
 
 // From where a filter sets out.
 struct Start {
@@ -63,7 +42,7 @@ class Engine {
     Vector<kStates> prior_sigma = Vector<kStates>::Ones();
 
     // Back to the prior covariance: the estimate stays, but nothing is known of its error.
-    void forget();
+    void forget(bool has_fixes = true);
 
     // Likewise, with an attitude of these sigmas, east, north, up [rad].
     void forget(const Eigen::Vector3d& attitude_sigma);
@@ -125,7 +104,7 @@ class Engine {
 };
 
 template <ErrorModel M>
-void Engine<M>::forget() {
+void Engine<M>::forget(bool /*has_fixes*/) {
     estimator.appended.part();
     estimator.covariance = prior_sigma.cwiseAbs2().asDiagonal();
 }

@@ -75,6 +75,7 @@ struct Adapter<EulerPlatform> {
 
 extern template class Engine<EulerPlatform>;
 extern template class NavigationEngine<EulerPlatform>;
+extern template struct AidUpdate<NavigationEngine<EulerPlatform>>;
 extern template class Estimator<EulerPlatform>;
 extern template class Corrector<EulerPlatform::kStates, EulerPlatform::kMeasurements>;
 

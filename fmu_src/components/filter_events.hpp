@@ -99,6 +99,19 @@ inline Refusal refusal_of(GnssInput::Verdict verdict) {
             return Refusal::frozen;
         case GnssInput::Verdict::backwards:
             return Refusal::backwards;
+        case GnssInput::Verdict::late:
+            return Refusal::too_old;
+        default:
+            return Refusal::future;
+    }
+}
+
+inline Refusal refusal_of(StampClock::Verdict verdict) {
+    switch (verdict) {
+        case StampClock::Verdict::backwards:
+            return Refusal::backwards;
+        case StampClock::Verdict::late:
+            return Refusal::too_old;
         default:
             return Refusal::future;
     }

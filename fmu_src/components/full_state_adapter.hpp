@@ -51,6 +51,7 @@ struct Adapter<FullState> : PositionFix {
 
 extern template class Engine<FullState>;
 extern template class StateEngine<FullState>;
+extern template struct AidUpdate<StateEngine<FullState>>;
 extern template class Estimator<FullState>;
 extern template class Corrector<FullState::kStates, FullState::kMeasurements>;
 

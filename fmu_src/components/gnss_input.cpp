@@ -79,6 +79,8 @@ GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment&
             return Verdict::backwards;
         case StampClock::Verdict::future:
             return Verdict::future;
+        case StampClock::Verdict::late:
+            return Verdict::late;
         case StampClock::Verdict::accepted:
             break;
     }

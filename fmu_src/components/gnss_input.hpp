@@ -29,7 +29,7 @@ struct GnssFix {
 
 class GnssInput {
   public:
-    enum class Verdict { stale, accepted, not_finite, impossible, frozen, backwards, future };
+    enum class Verdict { stale, accepted, not_finite, impossible, frozen, backwards, future, late };
 
     static constexpr double kLargestLongitude = 6.3;  // a turn either way [rad]
     static constexpr double kLowest = -15e3;          // [m]

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "components/count_up.hpp"
 #include "components/time_tolerance.hpp"
 
 namespace truenorth {
@@ -22,10 +23,6 @@ constexpr double kGravity = 9.8;  // about, anywhere on Earth [m/s2]
 // From one count to another, whatever overflow lies between.
 std::int64_t advance(int from, int to) {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(to) - static_cast<std::uint32_t>(from));
-}
-
-void count_up(int& counter, int by = 1) {
-    counter = by > std::numeric_limits<int>::max() - counter ? std::numeric_limits<int>::max() : counter + by;
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 // it; a filter whose gate refuses one fix after another is on a way back that does not end (recovery.hpp).
 //
 // `Interface` names the generated variables of a component, `Engines` the models that it offers (engine.hpp).
-// The definitions stand in inertial_filter_run.hpp, inertial_filter_fix.hpp and inertial_filter_aid.hpp, for
-// the file of each component that instantiates them.
+// The definitions stand in inertial_filter_run.hpp, _fix.hpp, _aid.hpp and _health.hpp, for the files of each
+// component that instantiate them, one each, so that none takes long to compile.
 #pragma once
 
 #include <optional>
@@ -54,8 +54,8 @@ class InertialFilter {
         archive(parameters, inputs, outputs, imu_, gnss_, waiting_, history_, travelled_, status_,
                 nis_window_, recovery_, finder_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_,
                 was_sure_, told_long_interval_, told_samples_, told_fixes_, told_notices_, gnss_used_,
-                gnss_heard_, leveller_, astray_, astray_at_, leaned_, body_velocity_, heading_aid_,
-                height_aid_);
+                gnss_every_, gnss_heard_, leveller_, astray_, astray_at_, leaned_, body_velocity_,
+                heading_aid_, height_aid_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
             configure_engine();
@@ -94,19 +94,21 @@ class InertialFilter {
     bool take_aids();
     template <class Aid, class AidPort>
     bool take_aid(const Aid& aid, const AidPort& port, AidMemory& memory);
-    template <class E, class Aid, int K>
-    std::optional<Refusal> correct_by(E& engine, const Aid& aid, const Vector<K>& measured,
-                                      const Vector<K>& sigma, const AntennaState& then, AidMemory& memory);
-    template <class E, int N, int K>
-    std::optional<Refusal> correct_with(E& engine, const aiding::Sight<N, K>& sight, AidMemory& memory);
+    template <class E, class Aid>
+    std::optional<Refusal> correct_by(E& engine, const Aid& aid, const Eigen::Vector3d& measured,
+                                      const Eigen::Vector3d& sigma, const AntennaState& then,
+                                      AidMemory& memory);
+    template <class E>
+    std::optional<Refusal> correct_with(E& engine, const aiding::Sight<E::kStates>& sight, AidMemory& memory,
+                                        bool binds_velocity);
     template <class E>
     void turned_far(E& engine, const Eigen::Matrix3d& rotation);
     template <class E>
     void recover_by(E& engine, const AidDoubt& doubt, AidMemory& memory);
     template <class E, class Aid>
-    void take_as_it_is(E& engine, const Eigen::Quaterniond& q_bn, const Vector<Aid::kChannels>& difference);
+    void take_as_it_is(E& engine, const Eigen::Quaterniond& q_bn, const Eigen::Vector3d& difference);
     template <class Aid>
-    void note_use_of(AidMemory& memory, const Vector<Aid::kChannels>& measured);
+    void note_use_of(AidMemory& memory, const Eigen::Vector3d& measured);
     bool take_fix();
     void use(const Port& port, double valid_at);
     [[nodiscard]] static GnssFix fix_at(const Port& port);
@@ -134,6 +136,7 @@ class InertialFilter {
     [[nodiscard]] AntennaState antenna() const;
     void fault(const char* reason);
     [[nodiscard]] bool alone() const;
+    [[nodiscard]] double wait_for_fix() const;
     template <class E>
     void start_again_level(E& engine, double angle);
     template <class E>
@@ -162,7 +165,8 @@ class InertialFilter {
     double forgetting_ = 0.0;  // for how long the H-infinity term has acted [s]
     double last_fix_ = 0.0;    // by the filter's clock, when a fix was used last, or the start [s]
     double gnss_used_ = 0.0;   // likewise, by the master's clock [s]
-    double gnss_heard_ = 0.0;  // likewise, when one came that could be compared [s]
+    double gnss_every_ = 0.0;  // between the last two that were used [s]
+    double gnss_heard_ = 0.0;  // by the master's clock, when one came that could be compared [s]
     double astray_ = 0.0;      // by how much the position may have gone, on the way back without fixes [m]
     double astray_at_ = 0.0;   // when that was reckoned last [s]
     double leaned_ = 0.0;      // by the filter's clock, when the ledger was told last how it may lean [s]

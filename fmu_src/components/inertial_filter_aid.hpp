@@ -2,11 +2,12 @@
 #pragma once
 
 #include "components/aids.hpp"
+#include "components/count_up.hpp"
 #include "components/inertial_filter_run.hpp"
 
 namespace truenorth {
 
-inline constexpr double kAnyVelocity = 100.0;  // sigma of a velocity of which nothing is known [m/s]
+inline constexpr double kLeastSigma = 1e-6;  // better is no sensor, and no number [m/s], [rad], [m]
 
 // What a rung of the way back does without fixes.
 inline const char* deed_without_fixes(int rung, bool stays) {
@@ -44,7 +45,7 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPo
     }
     memory.sample = port.sample;
     const auto refuse = [&](Refusal refusal) {
-        ++memory.rejected;
+        count_up(memory.rejected);
         const auto omitted = log_->listens() ? memory.told.tell(refusal, clock_) : std::nullopt;
         if (omitted) {
             log_->event(text(Aid::kName, " ", port.sample, " (", Aid::kName, ".time = ", port.time,
@@ -52,9 +53,8 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPo
         }
         return true;
     };
-    const Vector<Aid::kChannels> measured = Aid::measured(port);
-    Vector<Aid::kChannels> sigma;
-    sigma.array() = port.sigma;
+    const Eigen::Vector3d measured = Aid::measured(port);
+    Eigen::Vector3d sigma = Aid::sigma_of(port);
     const auto present = !measured.array().isNaN();
     if (!std::isfinite(port.time) || !present.any() || measured.array().isInf().any() ||
         !present.select(sigma.array(), 0.0).isFinite().all()) {
@@ -63,15 +63,15 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPo
     if (!Aid::possible(measured) || (present.select(sigma.array(), 0.0) < 0.0).any()) {
         return refuse(Refusal::impossible);
     }
-    sigma = (sigma.array() > 0.0).select(sigma, aid.sigma).eval();
+    sigma = (sigma.array() > 0.0).select(sigma, aid.sigma).cwiseMax(kLeastSigma).eval();
     const double period = imu_.increment().dt;
     const auto verdict = memory.clock.read(
         port.time, {.now = imu_.time() + imu_.silent_for(), .offset = imu_.offset(), .slack = period});
     if (verdict != StampClock::Verdict::accepted) {
-        return refuse(verdict == StampClock::Verdict::backwards ? Refusal::backwards : Refusal::future);
+        return refuse(refusal_of(verdict));
     }
     // What lies within an IMU period of the newest sample counts as of then.
-    memory.heard = clock_;
+    memory.hear(clock_);
     const double valid_at = memory.clock.valid_at();
     if (valid_at > imu_.time() + std::max(period, StampClock::kAhead) + kTimeTolerance) {
         return refuse(Refusal::uncovered);
@@ -81,10 +81,10 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPo
         return refuse(Refusal::too_old);
     }
     if constexpr (Aid::kBindsVelocity) {
-        if (measured.allFinite()) {
-            const Eigen::Vector3d at_imu = measured - then->omega_eb_b.cross(aid.lever_arm);
-            leveller_.add(*then, then->q_bn * at_imu + then->lever_velocity, sigma.maxCoeff());
-        }
+        const Eigen::Vector3d predicted = then->q_bn.conjugate() * (then->velocity - then->lever_velocity);
+        const Eigen::Vector3d at_imu = measured - then->omega_eb_b.cross(aid.lever_arm);
+        const Eigen::Vector3d told = at_imu.array().isNaN().select(predicted, at_imu);
+        leveller_.add(*then, then->q_bn * told + then->lever_velocity, sigma.maxCoeff());
     }
     predict();
     if (status_.faulted()) {
@@ -93,12 +93,6 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPo
     const auto refusal = std::visit(
         [&](auto& engine) { return correct_by(engine, aid, measured, sigma, *then, memory); }, engine_);
     return refusal ? refuse(*refusal) : true;
-}
-
-// Whether no fix has been used of late.
-template <class Interface, class... Engines>
-bool InertialFilter<Interface, Engines...>::alone() const {
-    return clock_ - gnss_used_ > parameters.coasting.delay;
 }
 
 // Of the position; nothing for a model that has none.
@@ -138,19 +132,27 @@ template <class E>
 void InertialFilter<Interface, Engines...>::recover_by(E& engine, const AidDoubt& doubt, AidMemory& memory) {
     memory.lose_count();
     if (!alone()) {
-        engine.estimator.appended.forget(doubt.own, doubt.own_count);
+        engine.estimator.appended.forget(doubt.own, doubt.own_count, doubt.own_least);
+        if (log_->listens()) {
+            log_->event(text("the gate refused ", parameters.gate.patience, " measurements in a row of ",
+                             doubt.name, " until ", rounded(clock_),
+                             " s (gate.patience) while fixes were used: its constant errors are in doubt"));
+        }
         return;
     }
     memory.forgive();
     if (!recovery_.under_way(clock_)) {
         astray_ = 0.0;
-        astray_at_ = std::max(memory.last, gnss_used_);
     }
     int rung = 1;
     if (doubt.binds_velocity) {
+        if (astray_ == 0.0) {
+            astray_at_ = std::max(memory.last, gnss_used_);
+        }
         rung = recovery_.climb(clock_, parameters.gate.patience, was_sure_);
     } else {
         recovery_.doubt(clock_);
+        engine.estimator.appended.forget(doubt.own, doubt.own_count, doubt.own_least);
     }
     was_sure_ = was_sure_ && rung < Recovery::kAttitude;
     if (log_->listens()) {
@@ -160,9 +162,14 @@ void InertialFilter<Interface, Engines...>::recover_by(E& engine, const AidDoubt
                          deed_without_fixes(rung, E::kStartsWhereItIs)));
     }
     if (rung >= Recovery::kRestart) {
-        start_again_level(engine, rung == Recovery::kLast ? recovery_.next_heading() : 0.0);
+        const double now = euler_angles(engine.best().q_bn.toRotationMatrix()).heading;
+        start_again_level(engine, rung == Recovery::kLast ? now - recovery_.next_heading() : 0.0);
     }
     Uncertainty more = doubt.prediction;
+    // The velocity that there is without fixes has turned with the heading.
+    const Eigen::Vector3d velocity = engine.best().velocity;
+    const Eigen::Vector3d across(-velocity.y(), velocity.x(), 0.0);
+    more.velocity += more.attitude(2, 2) * across * across.transpose();
     if (rung >= Recovery::kSensors && rung < Recovery::kRestart) {
         more.sensors = 1.0;
     }
@@ -171,28 +178,19 @@ void InertialFilter<Interface, Engines...>::recover_by(E& engine, const AidDoubt
         more.attitude.diagonal() += sigma.cwiseAbs2();
     }
     if (rung >= Recovery::kAttitude) {
-        // The velocity that a log has given has turned with the heading.
         const double heading = rung == Recovery::kAttitude ? Recovery::kHeading : Recovery::kAnyHeading;
-        const double turned = heading * engine.best().velocity.norm();
+        const double turned = heading * velocity.norm();
         more.velocity += turned * turned * Eigen::Matrix3d::Identity();
         doubt_sensors(engine);
     }
     engine.add_uncertainty(more);
-    go_astray(engine);
+    if (doubt.binds_velocity) {
+        go_astray(engine);
+    }
     if (rung >= Recovery::kSensors) {
         open_ledger(engine);
     } else {
         ledger_.doubt(more.attitude.diagonal());
-    }
-}
-
-// What was learned of the aids was learned from an attitude that is in doubt.
-template <class Interface, class... Engines>
-template <class E>
-void InertialFilter<Interface, Engines...>::doubt_sensors(E& engine) {
-    engine.estimator.appended.start();
-    for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
-        memory->forgive();
     }
 }
 
@@ -204,40 +202,14 @@ void InertialFilter<Interface, Engines...>::go_astray(E& engine) {
     const double before = astray_;
     astray_ += engine.best().velocity.norm() * (clock_ - astray_at_);
     astray_at_ = clock_;
-    engine.add_uncertainty({.position = (astray_ * astray_ - before * before) * Eigen::Matrix3d::Identity()});
-}
-
-// What of a velocity in body axes a model leaves out whose vertical velocity is no state: that may be any.
-template <class E, class Aid>
-Matrix<Aid::kChannels> unmodelled(const Eigen::Quaterniond& q_bn) {
-    if constexpr (Aid::kBindsVelocity && E::Where::velocity.count < 3) {
-        const Eigen::Vector3d up = q_bn.conjugate() * Eigen::Vector3d::UnitZ();
-        return kAnyVelocity * kAnyVelocity * up * up.transpose();
-    } else {
-        return Matrix<Aid::kChannels>::Zero();
-    }
-}
-
-// What a velocity in body axes leaves out that is linear in the misalignment: to second order v turned by phi
-// is shorter by |phi|^2 / 2, whose second moment is 3/4 of the square of its variance. Ten degrees that
-// nobody knows make 0.26 m/s of 10 m/s, far beyond the noise of a log.
-template <class E, class Aid>
-Matrix<Aid::kChannels> curvature(const E& engine, const NavigationState& state) {
-    if constexpr (Aid::kBindsVelocity) {
-        constexpr int attitude = E::Where::attitude.first;
-        const auto& covariance = engine.covariance();
-        const double variance = covariance.template block<3, 3>(attitude, attitude).trace();
-        const Eigen::Vector3d shorter = variance * (state.q_bn.conjugate() * state.velocity);
-        return 0.75 * shorter * shorter.transpose();
-    } else {
-        return Matrix<Aid::kChannels>::Zero();
-    }
+    const double gained = astray_ * astray_ - before * before;
+    engine.add_uncertainty({.position = Eigen::Vector3d(gained, gained, 0.0).asDiagonal()});
 }
 
 // Of a difference in body axes, what is vertical and no state of the model [m/s]; not a number if one axis
 // is.
 template <class E, class Aid>
-double vertical_velocity(const Eigen::Quaterniond& q_bn, const Vector<Aid::kChannels>& difference) {
+double vertical_velocity(const Eigen::Quaterniond& q_bn, const Eigen::Vector3d& difference) {
     if constexpr (Aid::kBindsVelocity && E::Where::velocity.count < 3) {
         return (q_bn * difference).z();
     } else {
@@ -249,7 +221,7 @@ double vertical_velocity(const Eigen::Quaterniond& q_bn, const Vector<Aid::kChan
 template <class Interface, class... Engines>
 template <class E, class Aid>
 void InertialFilter<Interface, Engines...>::take_as_it_is(E& engine, const Eigen::Quaterniond& q_bn,
-                                                          const Vector<Aid::kChannels>& difference) {
+                                                          const Eigen::Vector3d& difference) {
     if constexpr (!E::kFindsPosition) {
         const auto up = [](double size) { return Eigen::Vector3d(0.0, 0.0, size); };
         const double climb = vertical_velocity<E, Aid>(q_bn, difference);
@@ -263,12 +235,11 @@ void InertialFilter<Interface, Engines...>::take_as_it_is(E& engine, const Eigen
 
 template <class Interface, class... Engines>
 template <class Aid>
-void InertialFilter<Interface, Engines...>::note_use_of(AidMemory& memory,
-                                                        const Vector<Aid::kChannels>& measured) {
-    ++memory.used;
+void InertialFilter<Interface, Engines...>::note_use_of(AidMemory& memory, const Eigen::Vector3d& measured) {
+    count_up(memory.used);
     memory.last = clock_;
     if constexpr (Aid::kBindsVelocity) {
-        if (!measured.template head<2>().array().isNaN().all()) {
+        if (!measured.head<2>().array().isNaN().all()) {
             status_.use_fix(clock_);
         }
     }
@@ -276,10 +247,10 @@ void InertialFilter<Interface, Engines...>::note_use_of(AidMemory& memory,
 
 // Why the measurement was not used, if it was not.
 template <class Interface, class... Engines>
-template <class E, class Aid, int K>
+template <class E, class Aid>
 std::optional<Refusal> InertialFilter<Interface, Engines...>::correct_by(E& engine, const Aid& aid,
-                                                                         const Vector<K>& measured,
-                                                                         const Vector<K>& sigma,
+                                                                         const Eigen::Vector3d& measured,
+                                                                         const Eigen::Vector3d& sigma,
                                                                          const AntennaState& then,
                                                                          AidMemory& memory) {
     if (engine.is_coarse()) {
@@ -292,25 +263,24 @@ std::optional<Refusal> InertialFilter<Interface, Engines...>::correct_by(E& engi
                                    .position = earth::displaced(then.position, to_imu)}),
         .omega_eb_b = then.omega_eb_b,
         .sensors = engine.estimator.appended.mean()};
-    const Eigen::Quaterniond& q_bn = moment.state.q_bn;
-    const auto observation = aid.observe(moment, measured);
+    const aiding::Observation observation = aid.observe(moment, measured);
     if constexpr (Aid::kIsHeight && !E::kFindsPosition) {
         if (!alone()) {
             return Refusal::no_channel;
         }
     } else {
-        const auto sight =
-            aiding::sight_of(observation, sigma, engine.navigation_errors(), engine.estimator.covariance,
-                             engine.estimator.appended,
-                             Matrix<K>(unmodelled<E, Aid>(q_bn) + curvature<E, Aid>(engine, moment.state)));
-        if (const auto refusal = correct_with(engine, sight, memory)) {
+        const auto sight = AidUpdate<E>::sight(engine, moment.state, observation, sigma);
+        if (const auto refusal = correct_with(engine, sight, memory, Aid::kBindsVelocity)) {
             if (memory.out_of_patience(parameters.gate.patience)) {
                 recover_by(engine, doubt_of<Aid>(sight.innovation.residual), memory);
             }
             return refusal;
         }
+        if (status_.faulted()) {
+            return std::nullopt;
+        }
     }
-    take_as_it_is<E, Aid>(engine, q_bn, observation.difference);
+    take_as_it_is<E, Aid>(engine, moment.state.q_bn, observation.difference);
     note_use_of<Aid>(memory, measured);
     return std::nullopt;
 }
@@ -320,7 +290,7 @@ std::optional<Refusal> InertialFilter<Interface, Engines...>::correct_by(E& engi
 template <class Interface, class... Engines>
 template <class E>
 void InertialFilter<Interface, Engines...>::turned_far(E& engine, const Eigen::Matrix3d& rotation) {
-    const double angle = Eigen::AngleAxisd(rotation).angle();
+    const double angle = rotation_vector(rotation).norm();
     const double left = std::min(0.5 * angle * angle, Recovery::kAnyHeading);
     const double speed = left * engine.best().velocity.norm();
     ledger_.doubt(Eigen::Vector3d::Constant(left * left));
@@ -328,40 +298,33 @@ void InertialFilter<Interface, Engines...>::turned_far(E& engine, const Eigen::M
                             .velocity = speed * speed * Eigen::Matrix3d::Identity()});
 }
 
-// The standard update, if the gate admits it.
+// The update, if the gate admits it.
 template <class Interface, class... Engines>
-template <class E, int N, int K>
-std::optional<Refusal> InertialFilter<Interface, Engines...>::correct_with(E& engine,
-                                                                           const aiding::Sight<N, K>& sight,
-                                                                           AidMemory& memory) {
-    const Innovation<N, K>& innovation = sight.innovation;
-    const int channels = innovation.channels();
+template <class E>
+std::optional<Refusal> InertialFilter<Interface, Engines...>::correct_with(
+    E& engine, const aiding::Sight<E::kStates>& sight, AidMemory& memory, bool binds_velocity) {
+    const int channels = sight.innovation.channels();
     if (channels == 0) {
         return Refusal::no_channel;
     }
-    const double nis = truenorth::nis(innovation);
+    const double nis = AidUpdate<E>::nis(sight);
     const bool on_the_way = alone() && recovery_.under_way(clock_);
-    const bool open = on_the_way && recovery_.open();
+    const bool open = on_the_way && binds_velocity && recovery_.open();
     if (!memory.admits(engine.corrector.gate, nis, channels, open)) {
         return Refusal::beyond_gate;
     }
-    if (on_the_way) {
+    if (on_the_way && binds_velocity) {
         recovery_.pass(clock_);
-        go_astray(engine);
+        if (astray_ > 0.0) {
+            go_astray(engine);
+        }
     }
     memory.window.add(imu_.time(), nis, channels);
     if (!open) {
-        memory.mean.add(imu_.time(), innovation);
+        memory.mean.add(imu_.time(), sight.innovation);
     }
-    const auto correction = Standard().correct(engine.estimator.covariance, innovation);
-    typename E::Correction update{};
-    update.deviation = correction.deviation;
-    update.covariance = correction.covariance;
-    const Appended& before = engine.estimator.appended;
-    const Appended sensors =
-        open ? before.considered(innovation, sight.own) : before.after(innovation, sight.own);
-    const Change change = engine.apply(update, &sensors);
-    if (!change.finite || !sensors.finite()) {
+    const Change change = AidUpdate<E>::correct(engine, sight, !open);
+    if (!change.finite) {
         fault("the correction is not finite");
         return std::nullopt;
     }

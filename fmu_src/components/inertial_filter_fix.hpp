@@ -1,6 +1,7 @@
 // What inertial_filter.hpp does with a fix.
 #pragma once
 
+#include "components/filter_outputs.hpp"
 #include "components/inertial_filter_run.hpp"
 
 namespace truenorth {
@@ -150,10 +151,10 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         }
         return innovation;
     };
+    engine.corrector.gate_stands_open = recovery_.open();
     if (went_coarsely()) {
         return;
     }
-    engine.corrector.gate_stands_open = recovery_.open();
     auto innovation = innovate();
     auto correction = engine.corrected(innovation);
     if (innovation.channels() > 0 && engine.corrector.out_of_patience()) {
@@ -225,6 +226,7 @@ template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::note_use(const GnssFix::Mask& measured) {
     if (measured(0) || measured(1) || measured(3) || measured(4)) {  // a height alone binds nothing
         status_.use_fix(clock_);
+        gnss_every_ = clock_ - gnss_used_;
         gnss_used_ = clock_;
         astray_ = 0.0;
         astray_at_ = clock_;
@@ -280,7 +282,7 @@ template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::turn(const Eigen::Matrix3d& rotation) {
     history_.turn(rotation, travelled_);
     finder_.turn(rotation, travelled_);
-    leveller_.turn(rotation, travelled_);
+    leveller_.turn_with_measured(rotation, travelled_);
 }
 
 // The gate has refused so many fixes in a row that something else than the fixes is to be blamed: what,

@@ -1,9 +1,6 @@
 // The run loop of inertial_filter.hpp.
 #pragma once
 
-#include <type_traits>
-
-#include "components/filter_outputs.hpp"
 #include "components/filter_settings.hpp"
 #include "components/inertial_filter.hpp"
 #include "components/text.hpp"
@@ -15,13 +12,10 @@ namespace truenorth {
 // in between: 2 s on a ship that rolls in 8 s make a heading RMSE of 17 arcmin one of 70.
 inline constexpr double kLongestGoodInterval = 1.0;  // [s]
 
-// So many fixes in a row beyond what their covariance explains are no outliers: of a consistent filter one in
-// 3000 is beyond gate.threshold, of a receiver in a bad place one in twenty.
-inline constexpr int kContradictions = 5;
-
 // Finite, and where and as fast as a fix may be, with something to spare.
 inline bool possible(const NavigationState& state) {
-    return state.finite() && state.velocity.norm() < 2.0 * GnssInput::kLargestSpeed &&
+    return state.finite() && std::abs(state.position.latitude) <= earth::kHighestLatitude &&
+           state.velocity.norm() < 2.0 * GnssInput::kLargestSpeed &&
            state.position.height > 2.0 * GnssInput::kLowest &&
            state.position.height < 2.0 * GnssInput::kHighest;
 }
@@ -96,6 +90,7 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     forgetting_ = 0.0;
     last_fix_ = imu_.time();
     gnss_used_ = clock_;
+    gnss_every_ = 0.0;
     gnss_heard_ = clock_;
     astray_ = 0.0;
     astray_at_ = clock_;
@@ -113,6 +108,29 @@ void InertialFilter<Interface, Engines...>::open_ledger(const E& engine) {
     ledger_.open(engine.covariance().diagonal().template segment<3>(attitude));
     opened_ = imu_.time();
     leaned_ = imu_.time();
+}
+
+// What was learned of the aids was learned from an attitude that is in doubt.
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::doubt_sensors(E& engine) {
+    engine.estimator.appended.start();
+    for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
+        memory->forgive();
+    }
+}
+
+// Whether no fix has been used of late, as often as they come.
+template <class Interface, class... Engines>
+bool InertialFilter<Interface, Engines...>::alone() const {
+    return clock_ - gnss_used_ > wait_for_fix();
+}
+
+// After which there are no fixes [s].
+template <class Interface, class... Engines>
+double InertialFilter<Interface, Engines...>::wait_for_fix() const {
+    constexpr double kSeldom = 60.0;  // fixes that come less often are none [s]
+    return std::max(parameters.coasting.delay, 3.0 * std::min(gnss_every_, kSeldom));
 }
 
 template <class Interface, class... Engines>
@@ -207,6 +225,7 @@ void InertialFilter<Interface, Engines...>::start_over() {
 template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::take_sample() {
     const auto& port = inputs.imu;
+    const bool had_fixes = imu_.time() - last_fix_ <= wait_for_fix();
     const auto verdict = imu_.read(port.sample, port.time, port.delta_angle, port.delta_velocity, clock_);
     if (verdict == ImuInput::Verdict::stale) {
         return false;
@@ -223,13 +242,14 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
     const Prediction prediction = std::visit(
         [&](auto& engine) {
             if (verdict == ImuInput::Verdict::resumed) {
-                engine.forget();
+                engine.forget(had_fixes);
                 open_ledger(engine);
                 nis_window_.restart();
                 history_ = AntennaHistory{};
                 finder_.start();
                 leveller_.start();
                 forgetting_ = 0.0;
+                last_fix_ = imu_.time();
             }
             const NavigationState before = engine.mechanisation().state;
             const Prediction outcome = engine.mechanise(imu_.increment());
@@ -349,130 +369,6 @@ void InertialFilter<Interface, Engines...>::fault(const char* reason) {
     status_.fault();
     if (log_->listens()) {
         log_->event(text("estimation stopped at ", imu_.time(), " s: ", reason));
-    }
-}
-
-template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::publish() {
-    if (!status_.faulted()) {
-        std::visit(
-            [this](const auto& engine) { publish_estimate(outputs, engine, imu_.stamp(), parameters); },
-            engine_);
-    }
-    publish_health();
-}
-
-// What the clock alone can change.
-template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::publish_health() {
-    outputs.rejected_samples = imu_.rejected();
-    outputs.missed_samples = imu_.missed();
-    outputs.imu.silent_for = imu_.silent_for();
-    outputs.clock_disagreements = imu_.disagreements() + gnss_.disagreements();
-    outputs.nis_mean = nis_window_.mean(imu_.time());
-    auto& gnss = outputs.aid.gnss;
-    gnss.nis_mean = outputs.nis_mean;
-    gnss.used = outputs.used_fixes;
-    gnss.rejected = outputs.rejected_fixes;
-    gnss.silent_for = clock_ - gnss_used_;
-    auto& aid = outputs.aid;
-    const Appended& sensors =
-        std::visit([](const auto& engine) -> const Appended& { return engine.estimator.appended; }, engine_);
-    publish_errors_of_sensors(aid, sensors);
-    publish_health_of(aid.body_velocity, body_velocity_, imu_.time(), clock_);
-    publish_health_of(aid.heading_aid, heading_aid_, imu_.time(), clock_);
-    publish_health_of(aid.height_aid, height_aid_, imu_.time(), clock_);
-    publish_status();
-}
-
-// What the filter is told of the gyros.
-template <class Interface, class... Engines>
-AttitudeLedger::Gyros InertialFilter<Interface, Engines...>::gyros() const {
-    const auto& process = parameters.process;
-    AttitudeLedger::Gyros gyros{.bias = parameters.prior.gyro_bias_sigma,
-                                .random_walk = process.angle_random_walk};
-    if constexpr (requires { process.gyro_markov_sigma; }) {
-        gyros.bias = std::hypot(gyros.bias, process.gyro_markov_sigma);
-    }
-    if constexpr (requires { process.gyro_bias_random_walk; }) {
-        gyros.bias_random_walk = process.gyro_bias_random_walk;
-    }
-    return gyros;
-}
-
-// What speaks against the covariance.
-template <class Interface, class... Engines>
-Contradiction InertialFilter<Interface, Engines...>::contradiction() const {
-    const int in_a_row =
-        std::visit([](const auto& engine) { return engine.corrector.contradictions(); }, engine_);
-    const double limit = parameters.consistency.limit;
-    if (in_a_row >= kContradictions && clock_ - gnss_heard_ <= parameters.consistency.window) {
-        return Contradiction::fixes;
-    }
-    if (!(nis_window_.deviate(imu_.time()) <= limit)) {  // nor is what is no number
-        return Contradiction::innovations;
-    }
-    const Appended& sensors =
-        std::visit([](const auto& engine) -> const Appended& { return engine.estimator.appended; }, engine_);
-    const auto contradicts = [&]<class Aid>(const AidMemory& memory, std::type_identity<Aid>) {
-        return memory.heard_of_late(clock_) &&
-               (memory.contradictions() >= kContradictions ||
-                !(memory.window.deviate(imu_.time()) <= limit) || !(memory.mean.deviate() <= limit) ||
-                !(sensors.deviate(Aid::kOwn, Aid::kOwnCount) <= limit));
-    };
-    if (contradicts(body_velocity_, std::type_identity<BodyVelocityAid>{}) ||
-        contradicts(heading_aid_, std::type_identity<HeadingAid>{}) ||
-        contradicts(height_aid_, std::type_identity<HeightAid>{})) {
-        return Contradiction::aids;
-    }
-    const bool explained = ledger_.deviate(imu_.time() - opened_, gyros()) <= limit;
-    return explained ? Contradiction::none : Contradiction::start;
-}
-
-template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::publish_status() {
-    const bool coarse = std::visit([](const auto& engine) { return engine.is_coarse(); }, engine_);
-    const double delay = parameters.coasting.delay;
-    const Contradiction against = contradiction();
-    const auto state = status_.judge(clock_,
-                                     {.sensing = imu_.any(),
-                                      .silent = imu_.silent_for() > imu_.patience() + kTimeTolerance,
-                                      .suspect = clock_ - imu_.suspected() < delay - kTimeTolerance,
-                                      .coarse = coarse,
-                                      .recovering = recovery_.under_way(clock_),
-                                      .consistent = against == Contradiction::none,
-                                      .heading_sigma = outputs.heading_sigma},
-                                     {.heading_sigma = parameters.convergence.heading_sigma,
-                                      .hold_time = parameters.convergence.hold_time,
-                                      .coasting_delay = delay});
-    using State = FilterStatus::State;
-    using Status = typename Interface::Status;
-    constexpr auto same = [](Status status, State internal) {
-        return static_cast<State>(status) == internal;
-    };
-    static_assert(same(Status::waiting, State::waiting) && same(Status::aligning, State::aligning) &&
-                  same(Status::converged, State::converged) && same(Status::coasting, State::coasting) &&
-                  same(Status::faulted, State::faulted) && same(Status::coarse, State::coarse) &&
-                  same(Status::inconsistent, State::inconsistent) && same(Status::silent, State::silent) &&
-                  same(Status::suspect, State::suspect) && same(Status::recovering, State::recovering));
-    const auto was = static_cast<State>(outputs.status);
-    outputs.status = static_cast<Status>(state);
-    outputs.converged = state == State::converged;
-    was_sure_ = was_sure_ || outputs.converged;
-    if (state == was || !log_->listens()) {
-        return;
-    }
-    if (state == State::inconsistent) {
-        log_->event(text("the covariance is contradicted at ", rounded(clock_), " s: ", reason(against),
-                         "; nis_mean is ", rounded(outputs.nis_mean)));
-    }
-    if (state == State::silent) {
-        log_->event(text("no usable IMU sample since ", rounded(clock_ - imu_.silent_for()),
-                         " s by the master's clock: the estimate stands still"));
-    }
-    if (outputs.converged || was == State::converged) {
-        log_->event(
-            text(outputs.converged ? "converged" : "no longer converged", " at ", rounded(clock_), " s"));
     }
 }
 

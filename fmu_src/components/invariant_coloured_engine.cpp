@@ -6,5 +6,6 @@ template class Estimator<Invariant<true>>;
 template class Corrector<Invariant<true>::kStates, Invariant<true>::kMeasurements>;
 template class Engine<Invariant<true>>;
 template class InvariantEngine<true>;
+template struct AidUpdate<InvariantEngine<true>>;
 
 }  // namespace truenorth

@@ -34,7 +34,8 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
 
     void start(const Start& start);
 
-    void forget();
+    // Likewise, through its coarse stage if it has one and there are fixes.
+    void forget(bool has_fixes = true);
 
     // Starts again with the prior, an attitude of these sigmas [rad], and as proposed; with its coarse stage,
     // if it has one and there are fixes. Returns what changed.
@@ -148,9 +149,9 @@ void InvariantEngine<coloured>::start(const Start& start) {
 }
 
 template <bool coloured>
-void InvariantEngine<coloured>::forget() {
+void InvariantEngine<coloured>::forget(bool has_fixes) {
     know(this->prior_sigma.cwiseAbs2().asDiagonal());
-    if (resumes_coarsely) {
+    if (resumes_coarsely && has_fixes) {
         coarse_.begin();
     }
 }
@@ -354,5 +355,7 @@ extern template class Engine<Invariant<false>>;
 extern template class Engine<Invariant<true>>;
 extern template class InvariantEngine<false>;
 extern template class InvariantEngine<true>;
+extern template struct AidUpdate<InvariantEngine<false>>;
+extern template struct AidUpdate<InvariantEngine<true>>;
 
 }  // namespace truenorth

@@ -4,6 +4,7 @@ namespace truenorth {
 
 template class Engine<LargeAzimuth>;
 template class NavigationEngine<LargeAzimuth>;
+template struct AidUpdate<NavigationEngine<LargeAzimuth>>;
 template class Estimator<LargeAzimuth>;
 template class Corrector<LargeAzimuth::kStates, LargeAzimuth::kMeasurements>;
 

@@ -57,6 +57,7 @@ struct Adapter<LargeAzimuth> {
 
 extern template class Engine<LargeAzimuth>;
 extern template class NavigationEngine<LargeAzimuth>;
+extern template struct AidUpdate<NavigationEngine<LargeAzimuth>>;
 extern template class Estimator<LargeAzimuth>;
 extern template class Corrector<LargeAzimuth::kStates, LargeAzimuth::kMeasurements>;
 

@@ -45,6 +45,7 @@ struct Adapter<Loose> : PositionFix {
 
 extern template class Engine<Loose>;
 extern template class NavigationEngine<Loose>;
+extern template struct AidUpdate<NavigationEngine<Loose>>;
 extern template class Estimator<Loose>;
 extern template class Corrector<Loose::kStates, Loose::kMeasurements>;
 

@@ -2,8 +2,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "components/inertial_filter_aid.hpp"
-#include "components/inertial_filter_fix.hpp"
 #include "components/inertial_filter_run.hpp"
 
 namespace truenorth {

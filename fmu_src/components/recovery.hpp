@@ -3,8 +3,7 @@
 //
 //   1  what the fix measures is as uncertain as the fix is far off: it passes, and sets them
 //   2  of a filter that has been sure of itself: the sensors are blamed too, which may wander more than they
-//   are
-//      said to; of any other the next rung
+//      are said to; of any other the next rung
 //   3  so is the attitude, and the gate stands open for a while
 //   4  the filter starts again from the fix, level as the force of late says, with its coarse stage if it has
 //      one; the gate stands open for a while

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/count_up.hpp"
 #include "components/time_tolerance.hpp"
 
 namespace truenorth {
@@ -11,6 +12,8 @@ namespace {
 
 constexpr int kConfirmations = 3;  // stamps in a row that show the same before it is believed
 constexpr double kAlike = 0.1;     // [s]
+// A measurement that comes by so much later than those before is by another clock: nothing waits so long [s].
+constexpr double kLate = 10.0;
 
 }  // namespace
 
@@ -18,7 +21,7 @@ constexpr double kAlike = 0.1;     // [s]
 bool StampClock::strays_alike(double ahead) {
     strays_ = strays_ > 0 && std::abs(ahead - ahead_) < kAlike ? strays_ + 1 : 1;
     ahead_ = ahead;
-    disagreements_ = std::min(disagreements_, std::numeric_limits<int>::max() - 1) + 1;
+    count_up(disagreements_);
     return strays_ >= kConfirmations;
 }
 
@@ -29,11 +32,12 @@ StampClock::Verdict StampClock::read(double stamp, const Moment& moment) {
     const bool together = set != 0.0 && std::abs(ahead - set + latency_) < std::abs(ahead + latency_);
     const bool back = stamp <= last_stamp_;
     const bool future = ahead > kTimeTolerance + std::max(moment.slack, kAhead);
+    const bool late = ahead + latency_ < -kLate;
     if (together) {
         offset_ += set;
-    } else if (back || future) {
+    } else if (back || future || late) {
         if (!strays_alike(ahead)) {
-            return back ? Verdict::backwards : Verdict::future;
+            return back ? Verdict::backwards : future ? Verdict::future : Verdict::late;
         }
         offset_ += ahead + latency_;
     }

@@ -1,9 +1,9 @@
 // When a measurement was valid by the filter's clock, from its stamp.
 //
 // A sensor's clock can be set, alone or together with the IMU's (a leap second), or be another one from the
-// beginning. A stamp from the future, or not after the last one, is refused; when a few in a row agree on how
-// far the clock is off, they are believed, and measurements count as as old as they were before; the first
-// ones as of now.
+// beginning. A stamp from the future, or not after the last one, or far later than those before, is refused;
+// when a few in a row agree on how far the clock is off, they are believed, and measurements count as as old
+// as they were before; the first ones as of now.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace truenorth {
 
 class StampClock {
   public:
-    enum class Verdict : std::uint8_t { accepted, backwards, future };
+    enum class Verdict : std::uint8_t { accepted, backwards, future, late };
 
     // A measurement is at most this much younger than the clock says; a sensor and the IMU are never read at
     // once [s].

@@ -135,6 +135,7 @@ struct Adapter<Tight> {
 
 extern template class Engine<Tight>;
 extern template class NavigationEngine<Tight>;
+extern template struct AidUpdate<NavigationEngine<Tight>>;
 extern template class Estimator<Tight>;
 extern template class Corrector<Tight::kStates, Tight::kMeasurements>;
 

@@ -41,6 +41,10 @@ EulerPlatform::Interval::Interval(const IntervalAverage& average, const earth::P
                                   const State& /*x*/)
     : NavigationInterval(average, position, average.velocity()) {}
 
+Matrix<EulerPlatform::kStates> EulerPlatform::transition(const State& x, const Interval& interval) const {
+    return vector_transition(*this, x, interval);
+}
+
 Matrix<EulerPlatform::kStates> EulerPlatform::process_noise(const State& x, const Interval& interval) const {
     const Matrix3d rates = inverse_euler_rate_matrix(form, x.segment<3>(kAlphaX));
     Matrix<kStates> Q = Matrix<kStates>::Zero();

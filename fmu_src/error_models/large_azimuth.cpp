@@ -10,6 +10,10 @@ LargeAzimuth::Interval::Interval(const IntervalAverage& average, const earth::Po
                                  const State& x)
     : NavigationInterval(average, position, {x(kVelocityEast), x(kVelocityNorth), 0.0}) {}
 
+Matrix<LargeAzimuth::kStates> LargeAzimuth::transition(const State& x, const Interval& interval) const {
+    return vector_transition(*this, x, interval);
+}
+
 Matrix<LargeAzimuth::kStates> LargeAzimuth::process_noise(const State& /*x*/,
                                                           const Interval& interval) const {
     State variance = State::Zero();

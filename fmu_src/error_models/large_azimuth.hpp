@@ -87,9 +87,7 @@ class LargeAzimuth {
         propagate_vectors(*this, x, deviations, noise, interval);
     }
 
-    [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const {
-        return vector_transition(*this, x, interval);
-    }
+    [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const;
 
     [[nodiscard]] Matrix<kStates> process_noise(const State& x, const Interval& interval) const;
 

@@ -19,6 +19,10 @@ Matrix<Loose::kStates> Loose::jacobian(const State& /*x*/, const Interval& inter
     return F;
 }
 
+Matrix<Loose::kStates> Loose::transition(const State& x, const Interval& interval) const {
+    return vector_transition(*this, x, interval);
+}
+
 Matrix<Loose::kStates> Loose::process_noise(const State& /*x*/, const Interval& interval) const {
     State variance;
     variance.head<kCount>() = navigation_error::random_walk_variance(noise.angle_random_walk,

@@ -57,9 +57,7 @@ class Loose {
         propagate_linearly(*this, x, deviations, interval);
     }
 
-    [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const {
-        return vector_transition(*this, x, interval);
-    }
+    [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const;
 
     [[nodiscard]] Matrix<kStates> process_noise(const State& x, const Interval& interval) const;
 

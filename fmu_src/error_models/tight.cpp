@@ -62,6 +62,10 @@ Matrix<Tight::kStates> Tight::jacobian(const State& /*x*/, const Interval& inter
 }
 
 // Exact for the Markov process and the clock, whose drift reaches its bias within the interval.
+Matrix<Tight::kStates> Tight::transition(const State& x, const Interval& interval) const {
+    return vector_transition(*this, x, interval);
+}
+
 Matrix<Tight::kStates> Tight::process_noise(const State& /*x*/, const Interval& interval) const {
     const double dt = interval.dt;
     const auto squared = [](double value) { return value * value; };

@@ -121,9 +121,7 @@ class Tight {
         }
     }
 
-    [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const {
-        return vector_transition(*this, x, interval);
-    }
+    [[nodiscard]] Matrix<kStates> transition(const State& x, const Interval& interval) const;
 
     [[nodiscard]] Matrix<kStates> process_noise(const State& x, const Interval& interval) const;
 

@@ -5,11 +5,12 @@
 
 namespace truenorth {
 
-void Appended::forget(int first, int count) {
+void Appended::forget(int first, int count, double least_sigma) {
     covariance_.middleRows(first, count).setZero();
     covariance_.middleCols(first, count).setZero();
     for (int i = first; i < first + count; ++i) {
-        covariance_(i, i) = prior_sigma(i) * prior_sigma(i);
+        const double sigma = prior_sigma(i) > 0.0 ? std::max(prior_sigma(i), least_sigma) : 0.0;
+        covariance_(i, i) = sigma * sigma;
     }
     mean_.segment(first, count).setZero();
     cross_.middleCols(first, count).setZero();
@@ -36,6 +37,10 @@ void Appended::regress(const Rows& prior, const Rows& posterior,
     // states can tell no more of a constant than all of it.
     for (int i = 0; i < kCount; ++i) {
         const double told = G.col(i).dot(cross_.col(i).head(n));
+        if (!(told >= 0.0)) {  // rounding has left a covariance that is none
+            part();
+            return;
+        }
         if (told > covariance_(i, i)) {
             const double less = std::sqrt(covariance_(i, i) / told);
             G.col(i) *= less;

@@ -40,8 +40,9 @@ class Appended {
         related_ = false;
     }
 
-    // Of these constants nothing is believed any more.
-    void forget(int first, int count);
+    // Of these constants nothing is believed any more, but that they are within the prior or this sigma,
+    // whichever is larger.
+    void forget(int first, int count, double least_sigma = 0.0);
 
     [[nodiscard]] bool any() const { return !prior_sigma.isZero(0.0); }
     [[nodiscard]] const Constants& mean() const { return mean_; }

@@ -47,7 +47,9 @@ class Estimator {
         if (constants != nullptr) {
             appended = *constants;
         } else {
-            appended.learn<kStates>(covariance, correction.covariance, correction.deviation);
+            // What a corrector blames the prediction for, it takes for noise that the constants do not know.
+            appended.learn<kStates>(covariance / correction.alpha, correction.covariance,
+                                    correction.deviation);
         }
         state = model.retract(state, correction.deviation);
         covariance = correction.covariance;

@@ -23,10 +23,12 @@ class InnovationMean {
         const double keep = 1.0 - std::min(std::max(time - time_, 0.0) / kMemory, 1.0 / kFewest);
         time_ = time;
         const Vector<M> variance = (innovation.spread + innovation.noise).diagonal();
+        sum_ *= keep;
+        variance_ *= keep * keep;
         for (int i = 0; i < M; ++i) {
             if (innovation.present(i)) {
-                sum_(i) = keep * sum_(i) + innovation.residual(i) / std::sqrt(variance(i));
-                variance_(i) = keep * keep * variance_(i) + 1.0;
+                sum_(i) += innovation.residual(i) / std::sqrt(variance(i));
+                variance_(i) += 1.0;
             }
         }
     }
@@ -36,7 +38,8 @@ class InnovationMean {
         double largest = 0.0;
         for (int i = 0; i < K; ++i) {
             if (variance_(i) > kEnough) {
-                largest = std::max(largest, std::abs(sum_(i)) / std::sqrt(variance_(i)));
+                const double deviates = std::abs(sum_(i)) / std::sqrt(variance_(i));
+                largest = deviates <= largest ? largest : deviates;  // what is no number stays
             }
         }
         return largest;

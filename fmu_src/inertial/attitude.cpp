@@ -65,6 +65,8 @@ Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
     return (2.0 * std::atan2(sine, sign * q.w()) / sine) * sign * q.vec();
 }
 
+Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& C) { return rotation_vector(Eigen::Quaterniond(C)); }
+
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& rotation_vector) {
     const double angle2 = rotation_vector.squaredNorm();
     // Below 1e-3 rad two terms of the series are exact to double precision, and safe at zero.

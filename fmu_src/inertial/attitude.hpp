@@ -37,6 +37,9 @@ Eigen::Quaterniond quaternion(const Eigen::Vector3d& rotation_vector);
 // Rotation vector [rad] of a unit quaternion, |a| <= pi.
 Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q);
 
+// Likewise, of a rotation matrix.
+Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& C);
+
 // J of the rotation vector a: exp(a + da) = exp(J da) exp(a) to first order, and J b is what the velocity or
 // the position component b of a tangent vector of SE_2(3) becomes under the exponential map.
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& rotation_vector);

@@ -204,6 +204,27 @@ TEST(GnssInput, BelievesAClockThatIsAheadFromTheBeginning) {
     }
 }
 
+TEST(GnssInput, BelievesAClockThatIsBehindFromTheBeginning) {
+    for (const double behind : {18.0, 3600.0, 1e9}) {
+        GnssInput gnss;
+        const auto offset = [behind](int) { return 0.2 - behind; };  // as read, without latency
+        const auto none = [](int) { return 0.0; };
+        const auto [count, valid_at] = accepted(gnss, 1, 20, offset, none);
+        EXPECT_EQ(count, 18) << behind;
+        EXPECT_NEAR(valid_at, 20.0, 1e-6) << behind;
+        EXPECT_EQ(gnss.disagreements(), 3) << behind;
+    }
+}
+
+TEST(GnssInput, WaitsForMeasurementsThatComeLaterThanBefore) {
+    GnssInput gnss;
+    const auto none = [](int) { return 0.0; };
+    accepted(gnss, 1, 99, none, none);
+    EXPECT_EQ(gnss.read(100, fix_at(99.9), {.now = 105.0, .slack = 0.01}), Verdict::accepted);
+    EXPECT_NEAR(gnss.valid_at(), 99.9, 1e-9);  // 5 s late, and no clock that was set
+    EXPECT_EQ(gnss.disagreements(), 0);
+}
+
 TEST(GnssInput, LosesNothingWhenItsClockIsSetTogetherWithTheImus) {
     for (const double step : {1.0, -1.0, 3600.0}) {
         GnssInput gnss;

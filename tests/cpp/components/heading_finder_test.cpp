@@ -61,6 +61,10 @@ class Weaving {
         finder.turn(R, travelled_);
     }
 
+    void turn_with_measured(HeadingFinder& finder, const Matrix3d& R) const {
+        finder.turn_with_measured(R, travelled_);
+    }
+
   private:
     Eigen::Quaterniond wrong_;
     double sigma_;
@@ -103,6 +107,19 @@ TEST(HeadingFinder, FollowsWhatIsCorrected) {
     EXPECT_NEAR(finder.angle(), 0.5, 0.1);
     vehicle.advance(finder, 10.0);
     EXPECT_NEAR(finder.angle(), 0.5, 0.1);
+}
+
+// Velocities that are known in the computed frame turn with it: the tilt that they tell is the same as if
+// they had come in the new axes from the beginning.
+TEST(HeadingFinder, TurnsWhatALogMeasured) {
+    HeadingFinder finder;
+    finder.start();
+    Weaving vehicle(0.0, 0.001, 1);
+    vehicle.advance(finder, 60.0);
+    const Matrix3d before = finder.upright(0.0);
+    const Matrix3d R = AngleAxisd(0.9, Vector3d::UnitZ()).toRotationMatrix();
+    vehicle.turn_with_measured(finder, R);
+    EXPECT_LT((finder.upright(0.0) * R - R * before).norm(), 1e-9);
 }
 
 TEST(HeadingFinder, SaysNothingOfAVehicleThatDoesNotAccelerate) {

@@ -161,6 +161,37 @@ TEST_P(AppendedToAFilter, ForgetsOneSensorAndKeepsTheOthers) {
     }
 }
 
+TEST_P(AppendedToAFilter, MayBeForgottenBeyondThePrior) {
+    constants.forget(1, 1, 0.7);
+    EXPECT_DOUBLE_EQ(constants.covariance()(1, 1), 0.49);
+    constants.forget(1, 1, 0.07);
+    EXPECT_DOUBLE_EQ(constants.covariance()(1, 1), 0.01);  // that of the prior
+    constants.forget(3, 1, 0.7);
+    EXPECT_EQ(constants.covariance()(3, 3), 0.0);  // the sensor has no such error
+}
+
+// A corrector that divides the covariance by alpha adds noise that has nothing to do with the constants.
+TEST_P(AppendedToAFilter, IsTheFilterOfBothWhenThePredictionIsBlamed) {
+    measure_both();
+    predict();
+    for (const double alpha : {0.5, 0.01}) {
+        const Matrix<kN> blamed = P / alpha;
+        joint.P.topLeftCorner(kN, kN) = blamed;
+        const Matrix<2, kN> H = random.normal<2, kN>();
+        const Matrix<2> R = random.covariance<2>(0.1, 1.0);
+        const Vector<2> z = random.normal<2, 1>();
+        const auto correction =
+            Standard().correct(blamed, innovation_of<kN, 2>(blamed, H, R, Vector<2>(z - H * mean)));
+        constants.learn<kN>(blamed, correction.covariance, correction.deviation);
+        P = correction.covariance;
+        mean += correction.deviation;
+        Dense all = Dense::Zero(2, kAll);
+        all.leftCols(kN) = H;
+        joint.measure(all, R, Dense(z) - all * joint.mean);
+        ASSERT_NO_FATAL_FAILURE(expect_equal());
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, AppendedToAFilter, testing::Values(1U, 2U, 3U));
 
 }  // namespace

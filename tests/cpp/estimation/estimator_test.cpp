@@ -48,6 +48,30 @@ TEST(Estimator, AppliesACorrectionToItsState) {
     EXPECT_EQ(estimator.covariance, correction.covariance);
 }
 
+// The constants learn from the prior that the corrector used, which is what it blamed.
+TEST(Estimator, TeachesTheConstantsByThePriorThatWasUsed) {
+    RandomCovariance random(7);
+    auto estimator = example();
+    estimator.appended.prior_sigma.setConstant(0.1);
+    estimator.appended.start();
+    const Innovation<4, 2> both{.residual = Vector<2>::Zero(),
+                                .spread = Matrix<2>::Identity(),
+                                .noise = Matrix<2>::Identity(),
+                                .cross = 0.1 * random.normal<4, 2>()};
+    estimator.appended = estimator.appended.after(both, Matrix<6, 2>(1e-3 * random.normal<6, 2>()));
+    Appended expected = estimator.appended;
+    const Matrix<4> blamed = estimator.covariance / 0.25;
+    auto innovation = estimator.innovate({Eigen::Vector2d(1.0, 2.0)});
+    innovation.spread /= 0.25;
+    innovation.cross /= 0.25;
+    auto correction = Standard().correct(blamed, innovation);
+    correction.alpha = 0.25;
+    expected.learn<4>(blamed, correction.covariance, correction.deviation);
+    estimator.apply(correction);
+    EXPECT_EQ(estimator.appended.mean(), expected.mean());
+    EXPECT_EQ(estimator.appended.covariance(), expected.covariance());
+}
+
 TEST(Estimator, ResetMovesTheCovarianceWithTheJacobianAtTheEstimate) {
     auto estimator = example();
     const Matrix<4> G = ResettableModel::reset_jacobian(estimator.state);
