@@ -27,7 +27,7 @@ from sim_scenarios.plots import fixes, heading, navigation
 from sim_scenarios.plots import track as pictures_of_track
 from sim_scenarios.plots.states import states
 from sim_scenarios.plots.style import png
-from sim_scenarios.recording import ERRORS, HAND_OVER, under_way
+from sim_scenarios.recording import ERRORS, HAND_OVER, of_filter, under_way
 from sim_scenarios.recordings import comparison, outages, track
 from sim_scenarios.units import ARCMIN, DEGREE
 
@@ -48,7 +48,7 @@ class Drawing:
     whole: bool = False
 
 
-_OF_FIXES = ("innovation", "innovation_sigma", "nis", "measurement_weight")
+_OF_FIXES = ("innovation", "innovation_sigma", "nis", "measurement_weight", "fix_used", "status")
 _STANDARDISED = Drawing(
     "innovations",
     "What each fix brought that the filter had not predicted, in units of its predicted sigma.",
@@ -79,6 +79,7 @@ _STATES = Drawing(
     "states",
     "Error of every state with 3 sigma. A consistent filter keeps 99.7 % of each curve inside.",
     states,
+    ("misalignment_sigma",),
 )
 RUN = (
     Drawing(
@@ -167,7 +168,7 @@ def report_run(run: xr.Dataset, folder: Path) -> Path:
 
 def report_comparison(runs: xr.Dataset, folder: Path) -> Path:
     """Report of a comparison of `sim_scenarios.compare`; returns the path of the page."""
-    verdicts = {str(label): judge(runs.sel(filter=label)) for label in runs["filter"].values}
+    verdicts = {str(label): judge(of_filter(runs, str(label))) for label in runs["filter"].values}
     count = sum(verdict.ok for verdict in verdicts.values())
     navigating = is_navigation(runs)
     text = f"{count} of {len(verdicts)} filters {'navigated' if navigating else 'converged'}"
