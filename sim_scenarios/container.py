@@ -22,7 +22,7 @@ from typing import Final
 from zipfile import ZIP_STORED, ZipFile
 
 import numpy as np
-from fmu_manipulation_toolbox.container import FMUContainer
+from fmu_manipulation_toolbox.container import FMUContainer, FMUContainerError
 from numpy.typing import NDArray
 
 from sim_scenarios.archives import write_archive
@@ -59,6 +59,11 @@ class Container:
         Communication step inside the container [s].
     outputs, fix_outputs : sequence of list of str
         Scalar outputs of each filter that are recorded periodically and at fixes.
+
+    Raises
+    ------
+    SimulationError
+        An FMU cannot be embedded.
     """
 
     def __init__(
@@ -76,7 +81,10 @@ class Container:
             for each in (outputs, fix_outputs)
         )
         self._folder = TemporaryDirectory(prefix="container-", dir=temporary())
-        self._fmu = Fmu(self._built(plant, filters, step))
+        try:
+            self._fmu = Fmu(self._built(plant, filters, step))
+        except FMUContainerError as error:  # of a filter that is not ours
+            raise SimulationError(f"the filters do not go into a container: {error}") from error
 
     def record(
         self,

@@ -295,7 +295,7 @@ class OwnFmu(Fmu):
                 f"{path} is an FMU of FMI {self.model.fmiVersion}{kind}: must be one of FMI 2.0 for "
                 "co-simulation"
             )
-        _ = self.library
+        _ = self.library  # which refuses a file for other machines
 
     @cached_property
     def version(self) -> str:

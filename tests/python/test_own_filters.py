@@ -13,14 +13,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from fmu_manipulation_toolbox.container import FMUContainer, FMUContainerError
 from foreign import DESCRIPTION, foreign
 
 import sim_scenarios
 from sim_scenarios.archives import read_archive, write_archive
 from sim_scenarios.campaigns import campaign
 from sim_scenarios.campaigns.plan import cases, load_plan
-from sim_scenarios.campaigns.runs import why_no_container
+from sim_scenarios.campaigns.runs import Bench, why_no_container
 from sim_scenarios.campaigns.statistics import summarise
+from sim_scenarios.campaigns.store import State
 from sim_scenarios.campaigns.table import figures
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import SIGNALS, Fmus
@@ -30,6 +32,8 @@ from sim_scenarios.metrics.navigation import NavigationVerdict
 from sim_scenarios.recording import of_filter
 from sim_scenarios.report import comparison_table, report_comparison, report_run
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.simulation import attributes
+from sim_scenarios.stepping import Master
 
 SCENARIO = """
 extends = "swaying_ship"
@@ -176,6 +180,20 @@ def test_a_campaign_has_the_figures_of_a_comparison(
     heading, *rows = figures(summary)
     cells = dict(zip(heading, next(row for row in rows if row[0] == "theirs"), strict=True))
     assert (cells["NIS /\nchannel"], cells["NEES at\nthe end"]) == ("-", "-")
+
+
+def test_what_no_container_embeds_is_stepped_by_the_master(
+    folder: Path, fmus: Fmus, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise FMUContainerError("it is not to its taste")
+
+    monkeypatch.setattr(FMUContainer, "make_fmu", refuse)
+    (case,) = cases(load_plan(scenario(folder, THEIRS)), fmus)
+    with pytest.raises(SimulationError, match="do not go into a container: it is not to its taste"):
+        Bench(1.0, Master.container, fmus).simulated(case.scenario, case.filters(), container=True)
+    outcome = Bench(1.0, Master.auto, fmus).run(case, 4, attributes(case.scenario, fmus))
+    assert outcome.state == {"theirs": State.finished}
 
 
 def test_filters_of_a_campaign_stand_relative_to_its_file(folder: Path, fmus: Fmus) -> None:
