@@ -6,6 +6,7 @@ answer at once.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -62,9 +63,39 @@ def scenario_path(name: str | Path) -> Path:
     raise InputError(f"there is no scenario '{name}'{hint}")
 
 
+def is_own_fmu(name: str) -> bool:
+    """Whether the name of an FMU is the path of somebody else's."""
+    return name.endswith(".fmu")
+
+
+def located(entry: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Entry of a file for a filter; the path of an FMU, if it has one, counts from the folder of the file."""
+    fmu = entry.get("filter_fmu")
+    if not isinstance(fmu, str) or not is_own_fmu(fmu):
+        return dict(entry)
+    return {**entry, "filter_fmu": str(folder.resolve() / fmu)}
+
+
+def located_filters(filters: object, folder: Path) -> object:
+    """Entries of a file for filters by label, each as of `located`; what is no such table stays as it is."""
+    if not isinstance(filters, Mapping):
+        return filters
+    return {
+        k: located(entry, folder) if isinstance(entry, Mapping) else entry for k, entry in filters.items()
+    }
+
+
+def with_filter_fmu(table: Mapping[str, Any], fmu: str) -> dict[str, Any]:
+    """A scenario with another FMU for its filter; one of somebody else's is told nothing of what ours was."""
+    kept = {k: v for k, v in table.items() if not is_own_fmu(fmu) or k not in ("filter", "compare")}
+    return {**kept, "filter_fmu": fmu}
+
+
 def read_scenario(path: Path, above: tuple[Path, ...] = ()) -> dict[str, Any]:
     """Content of a scenario file upon that of the one it extends; `above` are those that extend it."""
-    table = toml.read(path)
+    table = located(toml.read(path), path.parent)
+    if "compare" in table:
+        table["compare"] = located_filters(table["compare"], path.parent)
     if "extends" not in table:
         return table
     try:
@@ -76,6 +107,8 @@ def read_scenario(path: Path, above: tuple[Path, ...] = ()) -> dict[str, Any]:
     base = read_scenario(below, (*above, path))
     if "compare" in table:
         base.pop("compare", None)
+    if isinstance(fmu := table.get("filter_fmu"), str) and fmu != base.get("filter_fmu"):
+        base = with_filter_fmu(base, fmu)
     return _merged(base, table)
 
 

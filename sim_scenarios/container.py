@@ -22,11 +22,11 @@ from typing import Final
 from zipfile import ZIP_STORED, ZipFile
 
 import numpy as np
-from fmu_manipulation_toolbox.container import FMUContainer
+from fmu_manipulation_toolbox.container import FMUContainer, FMUContainerError
 from numpy.typing import NDArray
 
 from sim_scenarios.archives import write_archive
-from sim_scenarios.cosimulation import Recorded, Table, connected
+from sim_scenarios.cosimulation import FIX_SIGNALS, Recorded, Table, connected
 from sim_scenarios.errors import SimulationError
 from sim_scenarios.fmus import Fmu, Number
 from sim_scenarios.folders import temporary
@@ -52,29 +52,39 @@ class Container:
 
     Parameters
     ----------
-    plant, filter_fmu : Fmu
-    filters : int
-        How many filters see the same signals.
+    plant : Fmu
+    filters : sequence of Fmu
+        That of each filter; they see the same signals.
     step : float
         Communication step inside the container [s].
-    outputs, fix_outputs : sequence of str
-        Scalar outputs of the filter that are recorded periodically and at fixes.
+    outputs, fix_outputs : sequence of list of str
+        Scalar outputs of each filter that are recorded periodically and at fixes.
+
+    Raises
+    ------
+    SimulationError
+        An FMU cannot be embedded.
     """
 
     def __init__(
         self,
         plant: Fmu,
-        filter_fmu: Fmu,
-        filters: int,
+        filters: Sequence[Fmu],
         step: float,
-        outputs: Sequence[str],
-        fix_outputs: Sequence[str],
+        outputs: Sequence[list[str]],
+        fix_outputs: Sequence[list[str]],
     ) -> None:
-        self._sinks = [f"filter{i}." for i in range(filters)]
+        self._sinks = [f"filter{i}." for i in range(len(filters))]
         self._truth = [name for name in plant.outputs() if name.startswith("truth.")]
-        self._outputs, self._fix_outputs = list(outputs), list(fix_outputs)
+        self._outputs, self._fix_outputs = (
+            [sink + name for sink, names in zip(self._sinks, each, strict=True) for name in names]
+            for each in (outputs, fix_outputs)
+        )
         self._folder = TemporaryDirectory(prefix="container-", dir=temporary())
-        self._fmu = Fmu(self._built(plant, filter_fmu, step))
+        try:
+            self._fmu = Fmu(self._built(plant, filters, step))
+        except FMUContainerError as error:  # of a filter that is not ours
+            raise SimulationError(f"the filters do not go into a container: {error}") from error
 
     def record(
         self,
@@ -108,10 +118,9 @@ class Container:
 
     def _recorded(self, instance: Instance, times: NDArray[np.float64]) -> Recorded:
         outputs = [SOURCE + name for name in self._truth]
-        outputs += [sink + name for sink in self._sinks for name in self._outputs]
-        at_fixes = [sink + name for sink in self._sinks for name in self._fix_outputs]
-        rows, fixes = (Table(Port(instance, names), len(times)) for names in (outputs, at_fixes))
-        signal = Port(instance, [f"{SOURCE}gnss.sample", f"{SOURCE}gnss.time"])
+        outputs += self._outputs
+        rows, fixes = (Table(Port(instance, names), len(times)) for names in (outputs, self._fix_outputs))
+        signal = Port(instance, [SOURCE + name for name in FIX_SIGNALS])
         count, fix_time = signal.signals.buffers["Integer"], signal.signals.buffers["Real"]
         signal.read()
         rows.append()
@@ -134,28 +143,30 @@ class Container:
             [fixes.columns(sink) for sink in self._sinks],
         )
 
-    def _built(self, plant: Fmu, filter_fmu: Fmu, step: float) -> Path:
+    def _built(self, plant: Fmu, filters: Sequence[Fmu], step: float) -> Path:
         """Path of the container, with all parameters, what is recorded, and nothing else to be seen."""
         logging.getLogger("fmu_manipulation_toolbox").setLevel(logging.ERROR)
         folder = Path(self._folder.name)
-        for fmu in (plant, filter_fmu):
-            _copy_what_runs(fmu.path, folder / f"{fmu.name}.fmu")
-        source = f"{plant.name}.fmu"
+        files = {fmu: f"{number}.fmu" for number, fmu in enumerate(dict.fromkeys((plant, *filters)))}
+        for fmu, copy in files.items():
+            _copy_what_runs(fmu.path, folder / copy)
+        source = files[plant]
         container = FMUContainer("container", folder, fmi_version=2)
         container.get_fmu(source)
         for name in _settable(plant):
             container.add_input(SOURCE + name, source, name)
-        for name in (*self._truth, "gnss.sample", "gnss.time"):
+        for name in (*self._truth, *FIX_SIGNALS):
             container.add_output(source, name, SOURCE + name)
-        for sink in self._sinks:
+        for sink, fmu in zip(self._sinks, filters, strict=True):
             embedded = f"{sink}fmu"
-            container.get_fmu(f"{filter_fmu.name}.fmu", embedded)
-            for name in connected(plant.outputs(), filter_fmu):
+            container.get_fmu(files[fmu], embedded)
+            for name in connected(plant.outputs(), fmu):
                 container.add_link(source, name, embedded, name)
-            for name in _settable(filter_fmu):
+            for name in _settable(fmu):
                 container.add_input(sink + name, embedded, name)
-            for name in (*self._outputs, *self._fix_outputs):
-                container.add_output(embedded, name, sink + name)
+            for output in (*self._outputs, *self._fix_outputs):
+                if output.startswith(sink):
+                    container.add_output(embedded, output.removeprefix(sink), output)
         container.make_fmu("container.fmu", step_size=step, sequential=True)
         return folder / "container.fmu"
 

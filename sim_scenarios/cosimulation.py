@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -159,23 +159,53 @@ class RecordedSource:
 
 
 class Sink:
-    """A filter that consumes signals."""
+    """A filter that consumes signals: those that it has inputs for.
 
-    def __init__(self, instance: Instance, source: Source) -> None:
+    Parameters
+    ----------
+    instance : Instance
+    source : Source
+    outputs : sequence of str, optional
+        Those that are recorded, without which all are.
+    """
+
+    def __init__(self, instance: Instance, source: Source, outputs: Sequence[str] | None = None) -> None:
         self.instance = instance
-        self.port = Port(instance, source.signals.names, source.signals)
+        self.outputs = instance.fmu.outputs() if outputs is None else list(outputs)
+        signals, inputs = source.signals, set(instance.fmu.inputs())
+        names = [name for name in signals.names if name in inputs]
+        if names == signals.names:
+            self.port, self._gathered = Port(instance, names, signals), []
+            return
+        self.port = Port(instance, names)
+        rows: dict[str, list[int]] = {base: [] for base in self.port.signals.buffers}
+        for base, row in (signals.places[name] for name in names):
+            rows[base].append(row)
+        self._gathered = [
+            (buffer, signals.buffers[base], np.array(rows[base]))
+            for base, buffer in self.port.signals.buffers.items()
+        ]
 
     @classmethod
-    def initialised(cls, instance: Instance, source: Source, start: float, stop: float) -> Sink:
+    def initialised(
+        cls,
+        instance: Instance,
+        source: Source,
+        start: float,
+        stop: float,
+        outputs: Sequence[str] | None = None,
+    ) -> Sink:
         """A new filter, initialised with the current signals, that will run from start to stop [s]."""
         instance.begin_initialisation(start, stop)
-        sink = cls(instance, source)
+        sink = cls(instance, source, outputs)
         sink.receive()
         instance.finish_initialisation()
         return sink
 
     def receive(self) -> None:
         """Take the current signals."""
+        for buffer, signals, rows in self._gathered:
+            buffer[:] = signals[rows]
         self.port.write()
 
     def advance(self, time: float, step: float) -> None:
@@ -259,6 +289,10 @@ class Recorded:
     alignment: Columns | None = None
 
 
+FIX_SIGNALS: Final = ("gnss.sample", "gnss.time")
+"""Signals that tell of a new fix, which the master needs whether a filter takes them or not."""
+
+
 def connected(source: Iterable[str], sink: Fmu) -> list[str]:
     """Inputs of a filter that take signals. The source must have them, but for what need not be there."""
     available = set(source)
@@ -305,7 +339,7 @@ def simulate(
     source : Source
         Plant or recording, initialised.
     sinks : sequence of Sink
-        Filters, all instances of one FMU, initialised.
+        Filters, initialised.
     times : ndarray, shape (n + 1,)
         Communication points [s].
     record_every : int
@@ -313,7 +347,8 @@ def simulate(
     source_outputs : sequence of str
         Outputs of the source's FMU to record.
     fix_outputs : sequence of str
-        Outputs of the filters that are recorded at each fix rather than periodically.
+        Outputs of the filters, of each as far as it has them, that are recorded at each fix rather than
+        periodically.
     alignment_outputs : sequence of str
         Outputs of the source's alignment to record.
     order : Order
@@ -327,17 +362,21 @@ def simulate(
     """
     steps = len(times) - 1
     rows = steps // record_every + 1
-    periodic = [name for name in sinks[0].instance.fmu.outputs() if name not in set(fix_outputs)]
+    of_fixes = set(fix_outputs)
     truth = Table(Port(source.instance, source_outputs), rows) if source.instance else None
-    filters = [Table(Port(sink.instance, periodic), rows) for sink in sinks]
+    filters = [
+        Table(Port(sink.instance, [n for n in sink.outputs if n not in of_fixes]), rows) for sink in sinks
+    ]
     alignment = Table(Port(source.alignment, alignment_outputs), rows) if source.alignment else None
     after_step = (*filters, *([alignment] if alignment else []))
-    fixes = [Table(Port(sink.instance, fix_outputs), steps) for sink in sinks]
+    fixes = [
+        Table(Port(sink.instance, [n for n in fix_outputs if n in sink.outputs]), steps) for sink in sinks
+    ]
     recorded_at, fixes_at = [float(times[0])], []
     for table in (*([truth] if truth else []), *after_step):
         table.append()
 
-    (base, counter), (_, fix_time) = source.signals.places["gnss.sample"], source.signals.places["gnss.time"]
+    (base, counter), (_, fix_time) = (source.signals.places[name] for name in FIX_SIGNALS)
     integers, reals = source.signals.buffers[base], source.signals.buffers["Real"]
     fix_count = integers[counter]
     clock = times.tolist()

@@ -7,11 +7,13 @@ Units, their display units and their factors are those of the FMU's own modelDes
 from __future__ import annotations
 
 import difflib
+import hashlib
 import math
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
@@ -19,6 +21,8 @@ from typing import Any, Final
 import fmpy
 from fmpy.model_description import ModelDescription, ModelVariable
 
+from sim_scenarios import toml
+from sim_scenarios.catalogue import is_own_fmu
 from sim_scenarios.errors import InputError
 from sim_scenarios.folders import temporary
 
@@ -201,6 +205,11 @@ class Fmu:
         """Hash of the FMU's description and sources."""
         return str(self.model.guid)
 
+    @property
+    def version(self) -> str:
+        """What tells it from another FMU of that name."""
+        return self.guid
+
     def outputs(self) -> list[str]:
         """Names of the scalar outputs, in order."""
         return [name for name, v in self.variables.items() if v.causality == "output"]
@@ -265,12 +274,41 @@ class Fmu:
         return [name for name in self.arrays if self.has_parameter(name)]
 
 
+class OwnFmu(Fmu):
+    """A filter of somebody else's: named by its file, and known by the content of that.
+
+    Raises
+    ------
+    InputError
+        There is no such file, it is not an FMU for co-simulation of FMI 2.0, or it has no binary for this
+        machine.
+    """
+
+    def __init__(self, path: Path) -> None:
+        if not toml.exists(path):
+            raise InputError(f"there is no FMU {path}")
+        super().__init__(path)
+        self.name = path.name
+        if self.model.fmiVersion != "2.0" or self.model.coSimulation is None:
+            kind = "" if self.model.coSimulation else ", without co-simulation"
+            raise InputError(
+                f"{path} is an FMU of FMI {self.model.fmiVersion}{kind}: must be one of FMI 2.0 for "
+                "co-simulation"
+            )
+        _ = self.library  # which refuses a file for other machines
+
+    @cached_property
+    def version(self) -> str:
+        """SHA-256 of the file: whoever makes it may forget to change its GUID."""
+        return f"sha256:{hashlib.sha256(self.path.read_bytes()).hexdigest()}"
+
+
 class Fmus(dict[str, Fmu]):
-    """FMUs by name."""
+    """FMUs by name, those of somebody else's by the path of their file."""
 
     def __missing__(self, name: str) -> Fmu:
-        """Load an FMU from where it is installed, when it is first asked for."""
-        self[name] = load(name)
+        """Load an FMU from where it is installed, or from its path, when it is first asked for."""
+        self[name] = OwnFmu(Path(name)) if is_own_fmu(name) else load(name)
         return self[name]
 
     @property

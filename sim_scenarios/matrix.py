@@ -15,6 +15,7 @@ from typing import Final
 
 import xarray as xr
 
+from sim_scenarios import recording
 from sim_scenarios.cosimulation import Progress, part_of
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import Verdict, judge
@@ -104,11 +105,12 @@ def matrix(
     for done, scenario in enumerate(scenarios):
         loaded = load_scenario(scenario, fmus, seed=seed, settings=settings, compare=chosen)
         if not axes:
-            own = load_scenario(scenario, fmus, seed=seed, settings=settings).compare
-            loaded = loaded.model_copy(update={"compare": {**loaded.compare, **own}})
+            own = load_scenario(scenario, fmus, seed=seed, settings=settings)
+            filters = {"compare": {**loaded.compare, **own.compare}, "rivals": own.rivals}
+            loaded = loaded.model_copy(update=filters)
         yield run_filters(loaded, fmus, loaded.filters(), progress=part_of(progress, done, len(scenarios)))
 
 
 def judged(runs: xr.Dataset) -> dict[str, Verdict]:
     """Verdict on each filter of a scenario."""
-    return {str(label): judge(runs.sel(filter=label)) for label in runs["filter"].values}
+    return {str(label): judge(recording.of_filter(runs, str(label))) for label in runs["filter"].values}

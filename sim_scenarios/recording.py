@@ -10,11 +10,15 @@ An xarray Dataset with the FMUs' own variable names, in the FMUs' units (SI and 
 Of an alignment that is handed over, `alignment.*` (time) are outputs and heading error, and `hand_over_time`
 (filter) is when the filters begin to navigate; what they put out before is no estimate, and its error NaN.
 
+A variable that not all filters have has the labels of those that do in its attribute `filters` (JSON); the
+others have NaN there, or false. Errors of what no filter puts out are NaN.
+
 Files are netCDF 3 (CF attributes), which scipy writes and everything reads.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -60,8 +64,7 @@ def fix_outputs(fmu: Fmu) -> list[str]:
 
 def dataset(
     recorded: Recorded,
-    labels: list[str],
-    filter_fmu: Fmu,
+    filters: Mapping[str, Fmu],
     plant: Fmu | None = None,
     alignment: Fmu | None = None,
 ) -> xr.Dataset:
@@ -71,38 +74,25 @@ def dataset(
     ----------
     recorded : Recorded
         What the simulation left.
-    labels : list of str
-        One for each filter.
-    filter_fmu, plant, alignment : Fmu
-        They declare units and descriptions.
+    filters : mapping of str to Fmu
+        That of each filter, by label. FMUs declare units and descriptions.
+    plant, alignment : Fmu, optional
+        Of the truth, and of an alignment that is handed over.
 
     Returns
     -------
     xarray.Dataset
         With the errors of what the filter puts out (filter, time) where the truth is known, and `fix_used`
-        (filter, fix).
+        (filter, fix), of filters that count the fixes that they use.
     """
     parts = [
-        xr.Dataset(
-            {
-                **_arrays(table, filter_fmu, "time"),
-                **_arrays(fixes, filter_fmu, "fix"),
-            }
-        )
-        for table, fixes in zip(recorded.filters, recorded.fixes, strict=True)
+        xr.Dataset({**_arrays(table, fmu, "time"), **_arrays(fixes, fmu, "fix")})
+        for table, fixes, fmu in zip(recorded.filters, recorded.fixes, filters.values(), strict=True)
     ]
-    result: xr.Dataset = xr.concat(
-        parts, dim=xr.DataArray(labels, dims="filter", name="filter"), combine_attrs="override"
-    )
+    result = _side_by_side(dict(zip(filters, map(_with_fix_used, parts), strict=True)))
     result = result.assign_coords(
         time=("time", recorded.time, {"units": "s", "description": "Time since the start"}),
         fix_time=("fix", recorded.fix_time, {"units": "s", "description": "Time of validity of the fix"}),
-    )
-    count = result["used_fixes"].values
-    result["fix_used"] = (
-        ("filter", "fix"),
-        np.diff(count, prepend=np.zeros((len(labels), 1), count.dtype), axis=1) > 0,
-        {"description": "Whether the fix corrected the estimate"},
     )
     if recorded.truth is not None and plant is not None:
         result = result.assign(_arrays(recorded.truth, plant, "time"))
@@ -112,6 +102,40 @@ def dataset(
         result = result.assign({f"{ALIGNMENT}{name}": values for name, values in outputs.items()})
         result = _handed_over(result)
     return result
+
+
+def _with_fix_used(part: xr.Dataset) -> xr.Dataset:
+    """Outputs of a filter, and which fixes it used."""
+    if "used_fixes" not in part:
+        return part
+    count = part["used_fixes"].values
+    used = np.diff(count, prepend=count.dtype.type(0)) > 0
+    about = {"description": "Whether the fix corrected the estimate"}
+    result: xr.Dataset = part.assign(fix_used=("fix", used, about))
+    return result
+
+
+def _side_by_side(parts: Mapping[str, xr.Dataset]) -> xr.Dataset:
+    """Outputs of several filters, by label, in one data set."""
+    known: dict[str, xr.DataArray] = {}
+    for part in parts.values():
+        known = {**{str(name): values for name, values in part.items()}, **known}
+    having = {name: [label for label, part in parts.items() if name in part] for name in known}
+    filled = [
+        part.assign({name: _blank(values) for name, values in known.items() if name not in part})
+        for part in parts.values()
+    ]
+    labels = xr.DataArray(list(parts), dims="filter", name="filter")
+    result: xr.Dataset = xr.concat(filled, dim=labels, combine_attrs="override")
+    for name, labels_of_it in having.items():
+        if len(labels_of_it) < len(parts):
+            result[name].attrs = {**known[name].attrs, "filters": json.dumps(labels_of_it)}
+    return result
+
+
+def _blank(values: xr.DataArray) -> xr.DataArray:
+    """An output of a filter that does not have it: NaN, or false."""
+    return xr.full_like(values, False) if values.dtype == bool else xr.full_like(values, np.nan, dtype=float)
 
 
 def under_way(data: xr.Dataset) -> xr.Dataset:
@@ -145,11 +169,11 @@ def _handed_over(data: xr.Dataset) -> xr.Dataset:
 def _attitude_errors(data: xr.Dataset) -> dict[str, Entry]:
     """Errors of attitude and heading against the truth."""
     estimated, true = (
-        attitude.dcm(*(data[f"{frame}.{angle}"].values for angle in ("roll", "pitch", "heading")))
+        attitude.dcm(*(_of_frame(data, frame, angle) for angle in ("roll", "pitch", "heading")))
         for frame in ("nav", "truth")
     )
     phi = attitude.misalignment_angles(estimated @ np.swapaxes(true, -1, -2))
-    heading = attitude.wrap(data["nav.heading"].values - data["truth.heading"].values)
+    heading = attitude.wrap(_of_frame(data, "nav", "heading") - data["truth.heading"].values)
     return {
         "attitude_error": (
             ("filter", "time", "axis3"),
@@ -167,10 +191,10 @@ def _attitude_errors(data: xr.Dataset) -> dict[str, Entry]:
 def _position_and_velocity_errors(data: xr.Dataset) -> dict[str, Entry]:
     """Errors of position and velocity against the truth, estimated minus true (east, north, up)."""
     estimated, true = (
-        np.stack([data[f"{frame}.{name}"].values for name in ("latitude", "longitude", "height")], axis=-1)
+        np.stack([_of_frame(data, frame, name) for name in ("latitude", "longitude", "height")], axis=-1)
         for frame in ("nav", "truth")
     )
-    velocity = data["nav.velocity"].values - data["truth.velocity"].values
+    velocity = _of_frame(data, "nav", "velocity") - data["truth.velocity"].values
     dimensions, meaning = ("filter", "time", "axis3"), "Estimated minus true"
     return {
         "position_error": (
@@ -186,10 +210,25 @@ def _position_and_velocity_errors(data: xr.Dataset) -> dict[str, Entry]:
     }
 
 
+def _of_frame(data: xr.Dataset, frame: str, name: str) -> NDArray[np.float64]:
+    """Estimate of the filters or truth; NaN of what no filter puts out."""
+    truth: NDArray[np.float64] = data[f"truth.{name}"].values
+    if f"{frame}.{name}" in data:
+        values: NDArray[np.float64] = data[f"{frame}.{name}"].values
+        return values
+    return np.full((data.sizes["filter"], *truth.shape), np.nan)
+
+
 def of_filter(data: xr.Dataset, label: str) -> xr.Dataset:
-    """What one of several filters did, without the dimension `filter`."""
+    """What one of several filters did, without the dimension `filter` and what this one does not put out."""
     one: xr.Dataset = data.sel(filter=label, drop=True)
-    return one
+    others = [
+        name
+        for name, values in one.items()
+        if "filters" in values.attrs and label not in json.loads(values.attrs["filters"])
+    ]
+    own: xr.Dataset = one.drop_vars(others)
+    return own
 
 
 def save(data: xr.Dataset, path: Path) -> None:

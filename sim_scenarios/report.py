@@ -24,11 +24,12 @@ from sim_scenarios.metrics.alignment import bound_in_words
 from sim_scenarios.metrics.statistics import is_measured
 from sim_scenarios.metrics.verdict import status_at_end
 from sim_scenarios.plots import fixes, heading, navigation
+from sim_scenarios.plots import side_by_side as pictures_side_by_side
 from sim_scenarios.plots import track as pictures_of_track
 from sim_scenarios.plots.states import states
 from sim_scenarios.plots.style import png
-from sim_scenarios.recording import ERRORS, HAND_OVER, under_way
-from sim_scenarios.recordings import comparison, outages, track
+from sim_scenarios.recording import ERRORS, HAND_OVER, of_filter, under_way
+from sim_scenarios.recordings import comparison, outages, side_by_side, track
 from sim_scenarios.units import ARCMIN, DEGREE
 
 Array = NDArray[np.float64]
@@ -48,7 +49,7 @@ class Drawing:
     whole: bool = False
 
 
-_OF_FIXES = ("innovation", "innovation_sigma", "nis", "measurement_weight")
+_OF_FIXES = ("innovation", "innovation_sigma", "nis", "measurement_weight", "fix_used", "status")
 _STANDARDISED = Drawing(
     "innovations",
     "What each fix brought that the filter had not predicted, in units of its predicted sigma.",
@@ -79,6 +80,7 @@ _STATES = Drawing(
     "states",
     "Error of every state with 3 sigma. A consistent filter keeps 99.7 % of each curve inside.",
     states,
+    ("misalignment_sigma",),
 )
 RUN = (
     Drawing(
@@ -167,7 +169,7 @@ def report_run(run: xr.Dataset, folder: Path) -> Path:
 
 def report_comparison(runs: xr.Dataset, folder: Path) -> Path:
     """Report of a comparison of `sim_scenarios.compare`; returns the path of the page."""
-    verdicts = {str(label): judge(runs.sel(filter=label)) for label in runs["filter"].values}
+    verdicts = {str(label): judge(of_filter(runs, str(label))) for label in runs["filter"].values}
     count = sum(verdict.ok for verdict in verdicts.values())
     navigating = is_navigation(runs)
     text = f"{count} of {len(verdicts)} filters {'navigated' if navigating else 'converged'}"
@@ -194,6 +196,37 @@ def report_replay(run: xr.Dataset, folder: Path) -> Path:
         outages.table(ends) if ends else heading_table(run),
     )
     return _write(run, [*REPLAY, *_of_recording(run, ends)], page, folder)
+
+
+def report_replays(runs: Mapping[str, xr.Dataset], folder: Path) -> Path:
+    """Report of several filters on a recording (`recordings.side_by_side`); returns the path of the page."""
+    about = side_by_side.together(runs)
+    title = Path(about.attrs["recording"]).name
+    page = Page(title, replays_sentence(runs), None, {}, side_by_side.table(runs))
+    return _write(about, list(_of_replays(runs)), page, folder)
+
+
+def replays_sentence(runs: Mapping[str, xr.Dataset]) -> str:
+    """What several filters say at the end of a recording."""
+    count = sum(map(replay_converged, runs.values()))
+    return f"{count} of {len(runs)} filters report convergence at the end"
+
+
+def _of_replays(runs: Mapping[str, xr.Dataset]) -> Iterator[Drawing]:
+    """Pictures of several filters on a recording, those that there is something to show in."""
+
+    def drawing(name: str, caption: str, draw: Callable[[Mapping[str, xr.Dataset]], Figure]) -> Drawing:
+        return Drawing(name, caption, lambda _: draw(runs))
+
+    yield drawing("heading", "Heading of each filter, and its 1 sigma.", pictures_side_by_side.headings)
+    if any(comparison.against_reference(run) is not None for run in runs.values()):
+        yield drawing("errors", "Errors against the reference.", pictures_side_by_side.errors)
+    if any(np.isfinite(comparison.missed(run)).any() for run in runs.values()):
+        caption = "By how much each filter was off before it took a fix."
+        yield drawing("fixes", caption, pictures_side_by_side.before_fixes)
+    if any(outages.ends(run) for run in runs.values()):
+        caption = "Antenna of each filter minus the last fix of each outage."
+        yield drawing("outages", caption, pictures_side_by_side.outage_ends)
 
 
 def replay_figures(run: xr.Dataset) -> dict[str, str]:

@@ -1,7 +1,9 @@
 """Scenario files: what moves, what measures, what filters, how long, and what counts as converged.
 
 A scenario is a TOML file. Parameters of the FMUs stand in its tables `plant` and `filter` under the FMU's own
-names; `filter_fmu` names the filter's FMU, `compare` names variants of the filter. A scenario with a table
+names; `filter_fmu` names the filter's FMU, `compare` names variants of the filter. `filter_fmu` may be the
+path of an FMU of somebody else's (`ports` says what it must have), and a filter of `compare` may have a
+`filter_fmu` of its own; such a filter is told nothing but what its entry says. A scenario with a table
 `alignment` has an AlignmentFilter with these parameters, which starts from the initial error and hands over
 to its NavigationFilter. A quantity is a number in SI units or a text with one of the display units that the
 FMU declares for it ("10 deg", "0.05 deg/h", "1 mg"). Nothing unknown is accepted. A file that `extends` a
@@ -10,7 +12,7 @@ shipped scenario states only what differs; its table `compare` replaces the whol
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -25,8 +27,15 @@ from pydantic import (
     model_validator,
 )
 
+from sim_scenarios import ports
 from sim_scenarios.bounds import Knowledge
-from sim_scenarios.catalogue import read_scenario, scenario_path
+from sim_scenarios.catalogue import (
+    is_own_fmu,
+    located,
+    read_scenario,
+    scenario_path,
+    with_filter_fmu,
+)
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import (
     ALIGNMENT_FILTER,
@@ -54,6 +63,9 @@ EKF_UKF_ROBUST: Final[dict[str, dict[str, Any]]] = {
 MOST_ROWS: Final = {"communication_step": 100_000_000, "recording_period": 10_000_000}
 """How often a run may step and record: a day by milliseconds, twelve days by tenths of a second."""
 
+FILTER: Final = "filter"
+"""Label of the scenario's filter where it runs alone."""
+
 Parts = Mapping[str, Fmu]
 """The FMUs that a scenario connects, by the table of their parameters: plant, filter, perhaps alignment."""
 
@@ -68,13 +80,17 @@ def _quantity(unit: str) -> BeforeValidator:
 
 def _parameters_of(part: str) -> BeforeValidator:
     def resolve(given: object, info: ValidationInfo) -> dict[str, Number]:
-        fmu = _parts(info)[part]
-        values: dict[str, Number] = {}
-        for name, value in dotted(given):
-            values |= fmu.assignments(name, value)
-        return values
+        return _resolved(given, _parts(info)[part])
 
     return BeforeValidator(resolve)
+
+
+def _resolved(given: object, fmu: Fmu) -> dict[str, Number]:
+    """Values by scalar name of a table of parameters of an FMU."""
+    values: dict[str, Number] = {}
+    for name, value in dotted(given):
+        values |= fmu.assignments(name, value)
+    return values
 
 
 def _parts(info: ValidationInfo) -> Parts:
@@ -143,6 +159,20 @@ class Prior(Table):
     position_sigma: LengthSigma = Knowledge.position_sigma
 
 
+class Rival(Table):
+    """A filter of a comparison that has an FMU of its own, and its parameters."""
+
+    filter_fmu: str
+    parameters: dict[str, Number]
+
+
+def _rival(given: Mapping[str, Any], info: ValidationInfo) -> Rival:
+    fmus: Fmus = (info.context or {})["fmus"]
+    name = str(given["filter_fmu"])
+    told = {key: value for key, value in given.items() if key != "filter_fmu"}
+    return Rival(filter_fmu=name, parameters=_resolved(told, fmus[name]))
+
+
 class Scenario(Table):
     """A scenario, checked against the FMUs; FMU parameters by scalar name in the FMU's units."""
 
@@ -160,6 +190,8 @@ class Scenario(Table):
     filter: FilterParameters = {}
     alignment: AlignmentParameters | None = None
     compare: dict[Label, FilterParameters] = Field(default={})
+    rivals: dict[Label, Annotated[Rival, BeforeValidator(_rival)]] = Field(default={})
+    """Filters of the table `compare` that have an FMU of their own."""
 
     @model_validator(mode="after")
     def _times_fit(self) -> Scenario:
@@ -195,15 +227,48 @@ class Scenario(Table):
             raise InputError(
                 f"filter: {handed[0]} is handed over; the alignment starts from alignment.{START}*"
             )
+        if self.alignment is not None and self.rivals:
+            label, rival = next(iter(self.rivals.items()))
+            raise InputError(
+                f"compare.{label}: {rival.filter_fmu} cannot follow an alignment, which is handed over to a "
+                f"{NAVIGATION_FILTER}"
+            )
+        if FILTER in self.rivals:
+            raise InputError(f"compare.{FILTER}: that is what the filter of the scenario is called")
         return self
+
+    @property
+    def standard(self) -> str:
+        """Name of the filter of ours whose outputs are recorded, and by whose task all filters are judged.
+
+        That is the scenario's; of one of somebody else's NavigationFilter, if there is a `horizontal_limit`,
+        else AlignmentFilter.
+        """
+        if not is_own_fmu(self.filter_fmu):
+            return self.filter_fmu
+        return ALIGNMENT_FILTER if self.evaluation.horizontal_limit is None else NAVIGATION_FILTER
 
     def fmu_names(self) -> list[str]:
         """Names of the FMUs that the scenario connects."""
-        return [PLANT, *([] if self.alignment is None else [ALIGNMENT_FILTER]), self.filter_fmu]
+        alignment = [] if self.alignment is None else [ALIGNMENT_FILTER]
+        return [PLANT, *alignment, self.filter_fmu, *(rival.filter_fmu for rival in self.rivals.values())]
+
+    def fmu_of(self, label: str) -> str:
+        """Name of the FMU of one of its filters."""
+        return self.rivals[label].filter_fmu if label in self.rivals else self.filter_fmu
 
     def filters(self) -> dict[str, dict[str, Number]]:
         """Parameters of each filter to compare, by label."""
-        return {label: {**self.filter, **variant} for label, variant in self.compare.items()}
+        variants = {label: {**self.filter, **variant} for label, variant in self.compare.items()}
+        return {**variants, **{label: rival.parameters for label, rival in self.rivals.items()}}
+
+    def with_filters(self, labels: Container[str]) -> Scenario:
+        """The scenario with those of its filters to compare alone that have certain labels."""
+        chosen = {
+            name: {label: one for label, one in getattr(self, name).items() if label in labels}
+            for name in ("compare", "rivals")
+        }
+        return self.model_copy(update=chosen)
 
 
 def load_scenario(
@@ -238,7 +303,8 @@ def load_scenario(
     table = {"name": path.stem, **read_scenario(path)}
     overriding = {**(settings or {}), **({} if seed is None else {"plant.seed": seed})}
     if "filter_fmu" in overriding:  # decides what the other entries may be
-        table["filter_fmu"] = overriding.pop("filter_fmu")
+        given = located({"filter_fmu": overriding.pop("filter_fmu")}, Path())["filter_fmu"]
+        table = with_filter_fmu(table, str(given))
     filter_fmu = str(table.get("filter_fmu", ALIGNMENT_FILTER))
     table.setdefault("compare", EKF_UKF_ROBUST if filter_fmu == ALIGNMENT_FILTER else {})
     try:
@@ -251,10 +317,10 @@ def load_scenario(
                 )
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-    unchanged = _check(table, parts, path)
+    unchanged = _check(table, parts, fmus, path)
     if compare is not None:
         table["compare"] = compare
-    changed = _check(_overridden(table, parts, overriding), parts, "the settings")
+    changed = _check(_overridden(table, parts, overriding), parts, fmus, "the settings")
     changed = _bound_of_what_is_drawn(changed, overriding)
     if not (unchanged.notes and settings):
         return changed
@@ -279,15 +345,33 @@ def _bound_of_what_is_drawn(scenario: Scenario, settings: Mapping[str, object]) 
     return scenario.model_copy(update={"bound": scenario.bound.model_copy(update=known)})
 
 
-def _check(table: Mapping[str, Any], parts: Parts, where: Path | str) -> Scenario:
+def _check(table: Mapping[str, Any], parts: Parts, fmus: Fmus, where: Path | str) -> Scenario:
+    context = {"parts": parts, "fmus": fmus}
     try:
-        return Scenario.model_validate(table, context={"parts": parts})
+        scenario = Scenario.model_validate(_with_rivals_apart(table, where), context=context)
     except ValidationError as error:
         raise InputError("\n".join(_sentence(where, e) for e in error.errors())) from None
+    rivals = (rival.filter_fmu for rival in scenario.rivals.values())
+    for name in dict.fromkeys((scenario.filter_fmu, *rivals)):
+        if name != scenario.standard:
+            ports.check(fmus[name], fmus.plant, fmus[scenario.standard])
+    return scenario
+
+
+def _with_rivals_apart(table: Mapping[str, Any], where: Path | str) -> dict[str, Any]:
+    """Scenario table with the filters of `compare` that have an FMU of their own in a table `rivals`."""
+    if "rivals" in table:
+        raise InputError(f"{where}: rivals: there is no such entry; a filter_fmu in compare makes one")
+    compare = table.get("compare")
+    if not isinstance(compare, Mapping):
+        return dict(table)
+    rivals = {k: v for k, v in compare.items() if isinstance(v, Mapping) and "filter_fmu" in v}
+    return {**table, "compare": {k: v for k, v in compare.items() if k not in rivals}, "rivals": rivals}
 
 
 def _sentence(where: Path | str, error: Any) -> str:
-    key = ".".join(str(part) for part in error["loc"])
+    table, *rest = error["loc"] or ("",)
+    key = ".".join(str(part) for part in ("compare" if table == "rivals" else table, *rest))
     cause = error.get("ctx", {}).get("error")
     if error["type"] == "extra_forbidden":
         reason = f"there is no such entry{did_you_mean(str(error['loc'][-1]), _entries(error['loc'][:-1]))}"
@@ -315,7 +399,8 @@ def _overridden(table: Mapping[str, Any], parts: Parts, settings: Mapping[str, o
     for name, value in settings.items():
         owner, parameter = setting_owner(name, parts)
         if owner in parts:
-            for values in (given[owner], *(compare.values() if owner == "filter" else ())):
+            variants = [one for one in compare.values() if "filter_fmu" not in one]
+            for values in (given[owner], *(variants if owner == "filter" else ())):
                 _put(values, parts[owner], parameter, value)
         else:
             own = _with_entry(own, parameter.split("."), value)
@@ -349,7 +434,7 @@ def setting_owner(name: str, parts: Parts) -> tuple[str, str]:
         return prefix, rest
     if prefix == "alignment":
         raise InputError(f"the setting {name}: the scenario has no table alignment")
-    if prefix in Scenario.model_fields and prefix not in ("name", "compare"):
+    if prefix in Scenario.model_fields and prefix not in ("name", "compare", "rivals"):
         return "scenario", name
     known = [*(p for fmu in parts.values() for p in fmu.parameter_names()), *Scenario.model_fields]
     raise InputError(f"the setting {name}: no FMU has such a parameter{did_you_mean(name, known)}")

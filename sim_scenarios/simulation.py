@@ -12,9 +12,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios import attitude, recording
+from sim_scenarios import attitude, ports, recording
 from sim_scenarios.bounds import POSITION, Knowledge, Log, Trajectory, cramer_rao
 from sim_scenarios.cosimulation import (
+    FIX_SIGNALS,
     AlignmentSource,
     DisturbedSource,
     FmuSource,
@@ -30,7 +31,7 @@ from sim_scenarios.earth import radii
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number
 from sim_scenarios.instance import Instance, Message, Port
-from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.scenario import FILTER, Scenario, load_scenario
 from sim_scenarios.stepping import Order
 from sim_scenarios.timeline import instants, whole
 from sim_scenarios.version import product_version
@@ -87,6 +88,8 @@ MANOEUVRES = (
     "motion.segment.acceleration",
 )
 """Beginnings of the names of plant parameters that make the vehicle leave its steady course."""
+ALIGNMENT = "alignment"
+"""Label of an alignment that is handed over."""
 DRAWS = 1
 """Random stream of the initial errors, apart from those of the plant."""
 
@@ -126,9 +129,7 @@ def run(
     order = Order(order)
     fmus = fmus or Fmus()
     loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
-    return recording.of_filter(
-        run_filters(loaded, fmus, {"filter": loaded.filter}, order, progress), "filter"
-    )
+    return recording.of_filter(run_filters(loaded, fmus, {FILTER: loaded.filter}, order, progress), FILTER)
 
 
 def compare(
@@ -145,7 +146,7 @@ def compare(
     """
     fmus = fmus or Fmus()
     loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
-    if not loaded.compare:
+    if not loaded.filters():
         raise InputError(f"{scenario}: compare: names no filter")
     return run_filters(loaded, fmus, loaded.filters(), Order.gauss_seidel, progress)
 
@@ -221,7 +222,8 @@ def run_filters(
 def dataset(recorded: Recorded, scenario: Scenario, fmus: Fmus, labels: list[str]) -> xr.Dataset:
     """Data set of what a scenario recorded, without the bound; a label for each filter."""
     alignment = None if scenario.alignment is None else fmus[ALIGNMENT_FILTER]
-    return recording.dataset(recorded, labels, fmus[scenario.filter_fmu], fmus.plant, alignment)
+    filters = {label: fmus[scenario.fmu_of(label)] for label in labels}
+    return recording.dataset(recorded, filters, fmus.plant, alignment)
 
 
 def simulated(
@@ -256,24 +258,28 @@ def connect(
 
     With an alignment, that is what starts from the truth with the initial error; the filters wait for it.
     """
+    standard = fmus[scenario.standard]
 
     def begun(fmu: Fmu, label: str, values: Mapping[str, Number], source: Source) -> Sink:
         instance = stack.enter_context(closing(Instance(fmu, label, values)))
-        return Sink.initialised(instance, source, 0.0, scenario.duration)
+        outputs = None if label == ALIGNMENT else ports.recorded(fmu, standard)
+        return Sink.initialised(instance, source, 0.0, scenario.duration, outputs)
 
-    filter_fmu = fmus[scenario.filter_fmu]
+    used = {label: fmus[scenario.fmu_of(label)] for label in filters}
     plant = start_plant(scenario, fmus, stack)
     start = initial_values(scenario, fmus.plant, dict(zip(TRUTH, plant.read(TRUTH), strict=True)))
     source: FmuSource | AlignmentSource
     if scenario.alignment is None:
-        source = FmuSource(plant, connected(fmus.plant.outputs(), filter_fmu))
-        filters = {label: filter_values(filter_fmu, start, values) for label, values in filters.items()}
+        taken = (name for fmu in used.values() for name in connected(fmus.plant.outputs(), fmu))
+        source = FmuSource(plant, list(dict.fromkeys((*taken, *FIX_SIGNALS))))
+        filters = {label: filter_values(used[label], start, values) for label, values in filters.items()}
     else:
+        filter_fmu = fmus[scenario.filter_fmu]
         fmu = fmus[ALIGNMENT_FILTER]
         signals = FmuSource(plant, connected(fmus.plant.outputs(), fmu))
-        alignment = begun(fmu, "alignment", filter_values(fmu, start, scenario.alignment), signals)
+        alignment = begun(fmu, ALIGNMENT, filter_values(fmu, start, scenario.alignment), signals)
         source = AlignmentSource(signals, alignment, filter_fmu, order)
-    return source, [begun(filter_fmu, label, values, source) for label, values in filters.items()]
+    return source, [begun(used[label], label, values, source) for label, values in filters.items()]
 
 
 def record(
@@ -291,7 +297,7 @@ def record(
         instants(scenario.duration, scenario.communication_step),
         record_every=stride(scenario),
         source_outputs=[name for name in fmus.plant.outputs() if name.startswith("truth.")],
-        fix_outputs=recording.fix_outputs(fmus[scenario.filter_fmu]),
+        fix_outputs=recording.fix_outputs(fmus[scenario.standard]),
         alignment_outputs=recording.ALIGNMENT_OUTPUTS,
         order=order,
         progress=progress,
@@ -373,10 +379,12 @@ def _has_fixes(scenario: Scenario, plant: Fmu) -> bool:
 
 
 def _measures_position(scenario: Scenario, filter_fmu: Fmu) -> bool:
-    """Whether the error model does: any of NavigationFilter, of AlignmentFilter the invariant one."""
+    """Whether the error model does: of AlignmentFilter the invariant one, any of another filter."""
+    if filter_fmu.name != ALIGNMENT_FILTER:
+        return True
     models = filter_fmu.variables["error_model"].items
     chosen = scenario.filter.get("error_model", filter_fmu.start("error_model"))
-    return filter_fmu.name != ALIGNMENT_FILTER or chosen == models["invariant"]
+    return bool(chosen == models["invariant"])
 
 
 def left_out_of_the_bound(scenario: Scenario, plant: Fmu) -> list[str]:
@@ -476,13 +484,15 @@ def attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ())
         "evaluation.stop": min(window.stop, scenario.duration),
         "evaluation.heading_limit": window.heading_limit,
         "evaluation.horizontal_limit": _horizontal_limit(scenario, plant),
-        "filter_fmu": scenario.filter_fmu,
+        "filter_fmu": scenario.standard,
         "settings": json.dumps(settings),
-        "filters": json.dumps({k: _readable(v, filter_fmu) for k, v in scenario.filters().items()}),
+        "filters": json.dumps(
+            {k: _readable(v, fmus[scenario.fmu_of(k)]) for k, v in scenario.filters().items()}
+        ),
         "versions": json.dumps(
             {
                 "truenorth": product_version() or "not installed (checkout)",
-                **{name: fmus[name].guid for name in scenario.fmu_names()},
+                **{name: fmus[name].version for name in scenario.fmu_names()},
             }
         ),
         "messages": json.dumps([str(message) for message in messages]),

@@ -280,9 +280,9 @@ def execute(
 
 
 def fmu_versions(fmus: Fmus, made: Sequence[Case]) -> dict[str, str]:
-    """Hash of every FMU that the cases use, by name."""
+    """Hash of every FMU that the cases use, by name or path."""
     used = dict.fromkeys(name for case in made for name in case.scenario.fmu_names())
-    return {fmus[name].name: fmus[name].guid for name in used}
+    return {name: fmus[name].version for name in used}
 
 
 def _bound(made: Sequence[Case], index: int) -> xr.Dataset:

@@ -24,8 +24,9 @@ A campaign file is a TOML file with a list `scenarios`; a scenario alone is a ca
 Each scenario is run with each of the named cases, if there are any, and each point of the grid. What the
 command line sets (`--set`, `--grid`) stands in place of what the file sets or draws, in its named cases too.
 
-Filters of the campaign's own stand in tables `[filters."name"]` with their parameters; with an entry
-`scenarios` (a list of names) they are run in these alone, and a scenario without any is left out.
+Filters of the campaign's own stand in tables `[filters."name"]` with their parameters, and perhaps with a
+`filter_fmu`, as in the table `compare` of a scenario (what is set or drawn for the filter is not for these).
+With an entry `scenarios` (a list of names) they are run in these alone; a scenario without any is left out.
 
 A case with a fault of the plant (`fault.*`) is held against the same scenario without it: that is a case too,
 once for all faults of the scenario, and runs first.
@@ -47,11 +48,11 @@ from pydantic import Field, ValidationError
 from sim_scenarios import faults, toml
 from sim_scenarios.campaigns.draws import Distribution, Draw, draw
 from sim_scenarios.campaigns.quantities import FIGURES, SERIES
-from sim_scenarios.catalogue import CAMPAIGNS, files, scenario_path
+from sim_scenarios.catalogue import CAMPAIGNS, files, located_filters, scenario_path
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
 from sim_scenarios.names import Label, Name, Text
-from sim_scenarios.scenario import Scenario, Table, load_scenario
+from sim_scenarios.scenario import FILTER, Scenario, Table, load_scenario
 
 LARGEST_SEED: Final = 2**31 - 1
 MOST_RUNS: Final = 1_000_000
@@ -146,7 +147,7 @@ class Case:
 
 def filters_of(scenario: Scenario) -> dict[str, dict[str, Number]]:
     """Parameters of each filter of a scenario, by label."""
-    return scenario.filters() or {"filter": dict(scenario.filter)}
+    return scenario.filters() or {FILTER: dict(scenario.filter)}
 
 
 def load_plan(name: str | Path, **given: Any) -> Plan:
@@ -344,12 +345,14 @@ def _of_scenario(name: str | Path) -> dict[str, Any]:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """Content of a campaign file; scenario files stand relative to it."""
+    """Content of a campaign file; scenario files and FMUs stand relative to it."""
     table = toml.read(path)
     if isinstance(named := table.get("scenarios"), list):
         table["scenarios"] = tuple(
             str(path.parent / entry) if str(entry).endswith(".toml") else entry for entry in named
         )
+    if "filters" in table:
+        table["filters"] = located_filters(table["filters"], path.parent)
     return table
 
 
@@ -364,10 +367,9 @@ def _selected(made: Sequence[Case], labels: Sequence[str]) -> list[Case]:
             raise InputError(f"filters: no scenario compares '{label}'{hint}")
     kept = []
     for case in made:
-        compare = {label: values for label, values in case.scenario.compare.items() if label in labels}
-        if not compare:
+        scenario = case.scenario.with_filters(labels)
+        if not scenario.filters():
             raise InputError(f"filters: {case.label} compares none of {', '.join(labels)}")
-        scenario = case.scenario.model_copy(update={"compare": compare})
         kept.append(replace(case, scenario=scenario))
     return kept
 

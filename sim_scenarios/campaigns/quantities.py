@@ -18,7 +18,14 @@ from sim_scenarios.attitude import wrap
 from sim_scenarios.fmus import NAVIGATION_FILTER
 from sim_scenarios.metrics import certainty, hand_over, judge
 from sim_scenarios.metrics.certainty import QUANTITIES
-from sim_scenarios.metrics.statistics import holds_since, is_measured, rms
+from sim_scenarios.metrics.statistics import (
+    holds_since,
+    is_measured,
+    reports_convergence,
+    rms,
+    sigma_of_heading,
+    tells_nis,
+)
 from sim_scenarios.timeline import RESOLUTION, inside, within
 
 Array = NDArray[np.float64]
@@ -120,7 +127,7 @@ def kept(run: xr.Dataset, period: float) -> dict[str, Array]:
     Returns
     -------
     dict of str to ndarray
-        Series, shape (times,), and figures, shape ().
+        Series, shape (times,), and figures, shape (); without the NIS of a filter that does not tell it.
     """
     errors = {name: np.asarray(values) for name, values in _errors(run).items()}
     stride = round(period / float(run["time"].values[1] - run["time"].values[0]))
@@ -128,7 +135,8 @@ def kept(run: xr.Dataset, period: float) -> dict[str, Array]:
     series |= {f"{name}_sigma": _sigma(run, name)[::stride] for name in QUANTITIES}
     deviations = certainty.deviations(run)
     series |= {f"{name}_deviation": values[::stride] for name, values in deviations.items()}
-    series["nis"], series["nis_channels"] = _nis(run, period, len(series["heading_sigma"]))
+    if tells_nis(run):
+        series["nis"], series["nis_channels"] = _nis(run, period, len(series["heading_sigma"]))
     return {**series, **_figures(run, errors)}
 
 
@@ -169,13 +177,12 @@ def _figures(run: xr.Dataset, errors: Mapping[str, Array]) -> dict[str, Array]:
         float(run.attrs[f"evaluation.{key}"]) for key in ("start", "stop", f"{counting}_limit")
     )
     time, verdict, handed = run["time"].values, judge(run), hand_over.of_run(run)
-    converged = run["converged"].values
-    deviation = np.abs(errors["heading"][converged]) / run["heading_sigma"].values[converged]
-    fixes = run["fix_used"].values & inside(run["fix_time"].values, start, stop)
+    converged, sigma = reports_convergence(run), sigma_of_heading(run)
+    deviation = np.abs(errors["heading"][converged]) / sigma[converged]
     figures = {
         **{f"{name}_rmse": rms(within(time, values, start, stop)) for name, values in errors.items()},
         "heading_end": errors["heading"][-1],
-        "heading_sigma_rms": rms(within(time, run["heading_sigma"].values, start, stop)),
+        "heading_sigma_rms": rms(within(time, sigma, start, stop)),
         "convergence_time": _time(holds_since(time, np.abs(errors[counting]) <= limit)),
         "hand_over_time": _time(handed.time if handed else None),
         "claimed_time": _time(holds_since(time, converged)),
@@ -185,13 +192,18 @@ def _figures(run: xr.Dataset, errors: Mapping[str, Array]) -> dict[str, Array]:
         "wrongly_sure_time": verdict.certainty.wrongly,
         "longest_wrongly_sure": verdict.certainty.longest,
         **{f"wrongly_sure_{name}_time": span for name, span in verdict.certainty.wrongly_in.items()},
-        "nis_sum": run["nis"].values[fixes].sum(),
-        "nis_channels_sum": is_measured(run)[fixes].sum(),
+        **(_nis_sums(run, start, stop) if tells_nis(run) else {}),
         "used_fixes": verdict.used_fixes,
         "rejected_fixes": verdict.rejected_fixes,
         "success": verdict.ok,
     }
     return {name: np.asarray(value, dtype=float) for name, value in figures.items()}
+
+
+def _nis_sums(run: xr.Dataset, start: float, stop: float) -> dict[str, Any]:
+    """NIS and channels of the fixes that were used in the window, summed."""
+    fixes = run["fix_used"].values & inside(run["fix_time"].values, start, stop)
+    return {"nis_sum": run["nis"].values[fixes].sum(), "nis_channels_sum": is_measured(run)[fixes].sum()}
 
 
 def _time(since: float | None) -> float:

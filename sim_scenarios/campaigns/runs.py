@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios import faults, recording, simulation
+from sim_scenarios import faults, ports, recording, simulation
 from sim_scenarios.campaigns.plan import Case, filters_of
 from sim_scenarios.campaigns.quantities import FIGURES, FIX_OUTPUTS, OUTPUTS, SERIES, kept
 from sim_scenarios.campaigns.store import State
@@ -53,7 +53,7 @@ class Bench:
         self.fmus = fmus or Fmus()
         self._period = period
         self._master = master
-        self._containers: dict[tuple[str, int, float], Container] = {}
+        self._containers: dict[tuple[tuple[str, ...], float], Container] = {}
 
     def run(self, case: Case, seed: int, attributes: Mapping[str, Any]) -> Outcome:
         """One run of a case with all its filters; a filter that fails does not touch the others."""
@@ -98,14 +98,17 @@ class Bench:
         return recorded
 
     def _record_in_container(self, scenario: Scenario, filters: Filters) -> Recorded:
-        fmu = self.fmus[scenario.filter_fmu]
         with ExitStack() as stack:
             plant = simulation.start_plant(scenario, self.fmus, stack)
             truth = dict(zip(simulation.TRUTH, plant.read(simulation.TRUTH), strict=True))
         start = simulation.initial_values(scenario, self.fmus.plant, truth)
-        return self._container(scenario, len(filters)).record(
+        names = tuple(map(scenario.fmu_of, filters))
+        return self._container(scenario, names).record(
             scenario.plant,
-            [simulation.filter_values(fmu, start, values) for values in filters.values()],
+            [
+                simulation.filter_values(self.fmus[name], start, values)
+                for name, values in zip(names, filters.values(), strict=True)
+            ],
             instants(scenario.duration, scenario.communication_step, simulation.stride(scenario)),
         )
 
@@ -126,17 +129,18 @@ class Bench:
                 failures += [one.failure] if one.failure else []
         return Outcome(state, values_kept, "; ".join(failures))
 
-    def _container(self, scenario: Scenario, filters: int) -> Container:
-        key = scenario.filter_fmu, filters, scenario.communication_step
+    def _container(self, scenario: Scenario, names: tuple[str, ...]) -> Container:
+        key = names, scenario.communication_step
         if key not in self._containers:
-            fmu = self.fmus[scenario.filter_fmu]
+            standard, filters = self.fmus[scenario.standard], [self.fmus[name] for name in names]
             self._containers[key] = Container(
                 self.fmus.plant,
-                fmu,
                 filters,
                 scenario.communication_step,
-                _scalars(fmu, OUTPUTS),
-                _scalars(fmu, FIX_OUTPUTS),
+                *(
+                    [_scalars(fmu, outputs, set(ports.recorded(fmu, standard))) for fmu in filters]
+                    for outputs in (OUTPUTS, FIX_OUTPUTS)
+                ),
             )
         return self._containers[key]
 
@@ -180,5 +184,5 @@ def bound(case: Case, fmus: Fmus) -> xr.Dataset:
         return unknown
 
 
-def _scalars(fmu: Fmu, names: tuple[str, ...]) -> list[str]:
-    return [scalar for name in names for scalar in fmu.arrays.get(name, [])]
+def _scalars(fmu: Fmu, names: tuple[str, ...], recorded: set[str]) -> list[str]:
+    return [scalar for name in names for scalar in fmu.arrays.get(name, []) if scalar in recorded]

@@ -395,7 +395,8 @@ def _recoveries(
 ) -> dict[str, Array]:
     """Time to recover of every run of each filter, as `recovery_times` gives it; NaN without a fault.
 
-    A run that stopped has not recovered; one that the filter does not finish without its fault tells nothing.
+    A run that stopped has not recovered; one that the filter does not finish without its fault tells nothing,
+    nor does a filter without a sigma.
     """
     if unfaulted is None:
         return {label: np.full(case.sizes["run"], np.nan) for label in labels}
@@ -413,7 +414,8 @@ def _recoveries(
         )
         stopped = (one["state"].values == State.failed) & (end <= duration)
         recovered = np.where(stopped, np.inf, recovered)
-        known = (one["state"].values != State.missing) & (other["state"].values == State.finished)
+        has_sigma = any(np.isfinite(other[f"{name}_sigma"].values).any() for name in QUANTITIES)
+        known = (one["state"].values != State.missing) & (other["state"].values == State.finished) & has_sigma
         times[label] = np.where(known, recovered, np.nan)
     return times
 
@@ -479,7 +481,7 @@ def _order(ascending: Array, share: float) -> float:
 
 def _consistency(total: Array, degrees: Array) -> Estimate:
     count = float(np.sum(degrees))
-    if count == 0:
+    if not count > 0:  # nor known
         return _unknown()
     lower, upper = chi_square_interval(int(count))
     return Estimate(float(np.sum(total)) / count, lower / count, upper / count)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Final
 
 import typer
 
 from sim_scenarios import toml
-from sim_scenarios.cli.options import AsJson, Output, Seed, Settings, SettingsFile, settings
+from sim_scenarios.cli.options import AsJson, Output, Seed, Settings, SettingsFile, axes, settings
 from sim_scenarios.cli.results import Results
 from sim_scenarios.cli.terminal import (
     print_json,
@@ -66,9 +67,13 @@ def compare_filters(
         truenorth compare flight_constant_speed flight_outliers flight_accelerometer_fault
             --axis error_model=loose,full_state --axis corrector=standard,igg,adaptive_factor
 
+    On a recording, `truenorth replay` with --axis compares filters.
+
     Exit code 0 when every filter converged.
     """
     with refusing_bad_input():
+        for scenario in scenarios:
+            _refuse_recording(scenario)
         if len(scenarios) > 1 or axis:
             ok = _matrix(scenarios, axes(axis), output, seed, settings(set_, set_from), as_json)
         else:
@@ -76,20 +81,14 @@ def compare_filters(
     raise typer.Exit(0 if ok else 1)
 
 
-def axes(given: list[str] | None) -> dict[str, list[object]]:
-    """Axes NAME=VALUE,VALUE...; a value is read as in a scenario file, a bare text needs no quotes."""
-    found: dict[str, list[object]] = {}
-    for axis in given or []:
-        name, _, text = (part.strip() for part in axis.partition("="))
-        values = [toml.value(value) for value in text.split(",") if value.strip()]
-        if not name or not values:
-            raise InputError(f"--axis {axis}: write NAME=VALUE,VALUE...")
-        if name in found:
-            raise InputError(f"--axis {axis}: {name} has been given before")
-        if any(value in values[:i] for i, value in enumerate(values)):
-            raise InputError(f"--axis {axis}: give each value once")
-        found[name] = values
-    return found
+def _refuse_recording(name: str) -> None:
+    """Say with which command filters are compared on a recording."""
+    path = Path(name)
+    if toml.exists(path) and (path.suffix not in ("", ".toml") or "imu" in toml.read(path)):
+        raise InputError(
+            f"{name} is a recording: truenorth replay {name} --axis NAME=VALUE,VALUE... puts filters beside "
+            "each other on it"
+        )
 
 
 def _comparison(scenario: str, output: Output, seed: Seed, changed: dict[str, object], as_json: bool) -> bool:

@@ -75,3 +75,19 @@ def settings(given: list[str] | None, files: list[Path] | None = None) -> dict[s
         values.pop(name.strip(), None)  # the last setting counts, also of an array and its elements
         values[name.strip()] = toml.value(text)
     return values
+
+
+def axes(given: list[str] | None) -> dict[str, list[object]]:
+    """Axes NAME=VALUE,VALUE...; a value is read as in a scenario file, a bare text needs no quotes."""
+    found: dict[str, list[object]] = {}
+    for axis in given or []:
+        name, _, text = (part.strip() for part in axis.partition("="))
+        values = [toml.value(value) for value in text.split(",") if value.strip()]
+        if not name or not values:
+            raise InputError(f"--axis {axis}: write NAME=VALUE,VALUE...")
+        if name in found:
+            raise InputError(f"--axis {axis}: {name} has been given before")
+        if any(value in values[:i] for i, value in enumerate(values)):
+            raise InputError(f"--axis {axis}: give each value once")
+        found[name] = values
+    return found

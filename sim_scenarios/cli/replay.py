@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,8 +11,8 @@ import typer
 import xarray as xr
 
 from sim_scenarios import report
-from sim_scenarios.cli.options import AsJson, Output, Settings, SettingsFile, settings
-from sim_scenarios.cli.results import Results
+from sim_scenarios.cli.options import AsJson, Output, Settings, SettingsFile, axes, settings
+from sim_scenarios.cli.results import Results, storing
 from sim_scenarios.cli.terminal import (
     print_json,
     print_pairs,
@@ -22,9 +23,12 @@ from sim_scenarios.cli.terminal import (
     say_messages,
 )
 from sim_scenarios.errors import InputError
+from sim_scenarios.folders import filled
+from sim_scenarios.matrix import combinations
 from sim_scenarios.metrics.verdict import status_at_end
-from sim_scenarios.names import file_name
-from sim_scenarios.recordings import comparison, outages
+from sim_scenarios.names import file_name, file_names
+from sim_scenarios.recording import save
+from sim_scenarios.recordings import comparison, outages, side_by_side
 from sim_scenarios.recordings.exports import Format, export
 from sim_scenarios.recordings.outages import Outages
 from sim_scenarios.recordings.replay import SETTLING, Filter, replay
@@ -108,6 +112,16 @@ def replay_recording(
         ),
     ] = None,
     output: Output = None,
+    axis: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--axis",
+            metavar="NAME=VALUE,VALUE...",
+            help="Values of a filter parameter; repeat it for others. Every combination is a filter, and all "
+            "of them are put beside each other.",
+            show_default=False,
+        ),
+    ] = None,
     seed: Annotated[  # noqa: ARG001
         int | None,
         typer.Option(
@@ -139,8 +153,10 @@ def replay_recording(
             --set process.angle_random_walk="0.001 deg/h^0.5"
         truenorth replay recording.toml --filter navigation --start course --outages 60 --every 180
         truenorth replay recording.toml --filter align_then_navigate --export kml
+        truenorth replay recording.toml --filter navigation --start course --outages 60 \
+            --axis error_model=loose,full_state --axis corrector=standard,igg
 
-    Exit code 0 when the filter reports convergence at the end.
+    Exit code 0 when the filter reports convergence at the end; with --axis, when all filters do.
     """
     with refusing_bad_input():
         results = Results(output)
@@ -152,25 +168,30 @@ def replay_recording(
             course_speed if start is Where.course else None,
         )
         aiding = ZeroVelocity(begin.position, sigma, rate) if zero_velocity and begin.position else None
+        conditions: dict[str, Any] = {
+            "start": begin,
+            "filter": filter_,
+            "zero_velocity": aiding,
+            "outages": None if outages_ is None else Outages(outages_, every),
+            "reference": reference,
+            "evaluate_after": evaluate_after,
+            "set": settings(set_, set_from),
+        }
+        name = file_name(f"replay-{file.name.split('.')[0]}")
+        if axis:
+            if export_:
+                raise InputError(f"--export {export_[0].value}: is of one filter; leave out --axis")
+            ok = _side_by_side(file, combinations(axes(axis)), conditions, results.folder(name), as_json)
+            raise typer.Exit(0 if ok else 1)
         with progress(file.name) as advance:
-            run = replay(
-                file,
-                begin,
-                filter=filter_,
-                zero_velocity=aiding,
-                outages=None if outages_ is None else Outages(outages_, every),
-                reference=reference,
-                evaluate_after=evaluate_after,
-                set=settings(set_, set_from),
-                progress=advance,
-            )
+            run = replay(file, **conditions, progress=advance)
 
         def written(data: xr.Dataset, folder: Path) -> Path:
             for form in export_ or []:
                 export(data, folder / f"track.{form.value}")
             return report.report_replay(data, folder)
 
-        files = results.write(run, written, file_name(f"replay-{file.name.split('.')[0]}"))
+        files = results.write(run, written, name)
     converged = report.replay_converged(run)
     headings = report.heading_table(run)
     ends = outages.ends(run)
@@ -187,6 +208,42 @@ def replay_recording(
         print_verdict(report.replay_sentence(run), converged)
         print_pairs({**report.heading_at_end(run), **report.replay_figures(run), "Report": files["report"]})
     raise typer.Exit(0 if converged else 1)
+
+
+def _side_by_side(
+    file: Path,
+    filters: Mapping[str, Mapping[str, object]],
+    conditions: dict[str, Any],
+    folder: Path,
+    as_json: bool,
+) -> bool:
+    """Replay several filters and show them; whether all report convergence."""
+    with progress(file.name) as advance:
+        runs = side_by_side.replays(file, filters, progress=advance, **conditions)
+    names = {label: f"{name}.nc" for label, name in file_names(runs).items()}
+    with storing(folder), filled(folder) as draft:
+        report.report_replays(runs, draft)
+        for label, run in runs.items():
+            save(run, draft / names[label])
+    page = str(folder / "report.html")
+    converged = {label: report.replay_converged(run) for label, run in runs.items()}
+    if as_json:
+        told = {
+            label: {
+                "converged": converged[label],
+                "status": status_at_end(run),
+                **_figures(run),
+                "recording": str(folder / names[label]),
+            }
+            for label, run in runs.items()
+        }
+        print_json({"recording": str(file), "filters": told, "report": page})
+    else:
+        say_messages(side_by_side.together(runs))
+        print_table(side_by_side.table(runs))
+        print_verdict(report.replays_sentence(runs), all(converged.values()))
+        print_pairs({"Report": page})
+    return all(converged.values())
 
 
 def _figures(run: xr.Dataset) -> dict[str, Any]:

@@ -28,12 +28,14 @@ from tempfile import TemporaryDirectory
 
 from sim_scenarios import recording, report
 from sim_scenarios.archives import archive_bytes, as_bytes, read_archive
+from sim_scenarios.catalogue import is_own_fmu
+from sim_scenarios.errors import InputError
 from sim_scenarios.exchange import checksums, documents, evidence, reference, replay, start_values
 from sim_scenarios.exchange.forms import FMI2, FORMS, Form
 from sim_scenarios.exchange.system import Component, System, of_scenario
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import filled, temporary
-from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.scenario import FILTER, Scenario, load_scenario
 from sim_scenarios.simulation import run_filters
 from sim_scenarios.stepping import Order
 
@@ -73,6 +75,8 @@ def export(
     fmus = fmus or Fmus()
     settings = {**(set or {}), "communication_step": step}
     loaded = load_scenario(scenario, fmus, seed=seed, settings=settings)
+    if is_own_fmu(loaded.filter_fmu):
+        raise InputError(f"{scenario}: {loaded.filter_fmu} is not exported, but filters of TrueNorth alone")
     system = of_scenario(loaded, fmus)
     results = reference.simulate(loaded, fmus, system)
     about: dict[str, str | bytes] = {
@@ -96,9 +100,9 @@ def export(
 
 def _report(scenario: Scenario, fmus: Fmus) -> bytes:
     """Report of the run that the reference results are of."""
-    runs = run_filters(scenario, fmus, {"filter": scenario.filter}, Order.jacobi)
+    runs = run_filters(scenario, fmus, {FILTER: scenario.filter}, Order.jacobi)
     with TemporaryDirectory(dir=temporary()) as folder:
-        return report.report_run(recording.of_filter(runs, "filter"), Path(folder)).read_bytes()
+        return report.report_run(recording.of_filter(runs, FILTER), Path(folder)).read_bytes()
 
 
 class _Folder:

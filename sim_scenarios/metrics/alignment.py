@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,8 +10,23 @@ import numpy as np
 import xarray as xr
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.metrics.statistics import heading_rmse, holds_since, rms
-from sim_scenarios.metrics.verdict import FIT, Rmse, Verdict, common, status_at_end, window
+from sim_scenarios.metrics.statistics import (
+    heading_rmse,
+    holds_since,
+    reports_convergence,
+    rms,
+    sigma_of_heading,
+)
+from sim_scenarios.metrics.verdict import (
+    Rmse,
+    Verdict,
+    cell,
+    common,
+    is_fit,
+    known,
+    own_status_at_end,
+    window,
+)
 from sim_scenarios.timeline import within
 from sim_scenarios.units import ARCMIN
 
@@ -29,7 +45,7 @@ class AlignmentVerdict(Verdict):
     heading_end : float
         Heading error at the end [rad].
     heading_sigma : float
-        RMS of the sigma that the filter claims over the window [rad].
+        RMS of the sigma that the filter claims over the window [rad]; NaN of one that claims none.
     convergence_time : float or None
         Time from which the heading error stays within the limit [s].
     claimed_time : float or None
@@ -65,10 +81,11 @@ class AlignmentVerdict(Verdict):
     def headline(self) -> dict[str, str]:
         """Headline figures of a run."""
         claimed = "never" if self.claimed_time is None else f"since {self.claimed_time:.0f} s"
+        sigma = "none" if math.isnan(self.heading_sigma) else _arcmin(self.heading_sigma)
         return {
             "Heading RMSE of this run": _arcmin(self.heading_rmse),
             "Cramer-Rao bound": bound_in_words(self.bound),
-            "Filter's own sigma": _arcmin(self.heading_sigma),
+            "Filter's own sigma": sigma,
             "Filter reports convergence": claimed,
             **self._common_figures(),
         }
@@ -80,7 +97,7 @@ class AlignmentVerdict(Verdict):
             "RMSE\n[']": f"{self.heading_rmse / ARCMIN:.2f}",
             "/\nbound": f"{self.heading_rmse / self.bound:.2f}" if self.bound else "-",
             "largest\n[']": f"{self.heading_largest / ARCMIN:.2f}",
-            "sigma\n[']": f"{self.heading_sigma / ARCMIN:.2f}",
+            "sigma\n[']": cell(self.heading_sigma / ARCMIN, 2),
             "in limit\nsince": since,
             **self._fix_cells(),
         }
@@ -93,7 +110,7 @@ class AlignmentVerdict(Verdict):
             "heading_mean_arcmin": self.heading_mean / ARCMIN,
             "heading_largest_arcmin": self.heading_largest / ARCMIN,
             "heading_end_arcmin": self.heading_end / ARCMIN,
-            "heading_sigma_arcmin": self.heading_sigma / ARCMIN,
+            "heading_sigma_arcmin": known(self.heading_sigma / ARCMIN),
             "bound_arcmin": None if self.bound is None else self.bound / ARCMIN,
             "convergence_time_s": self.convergence_time,
             "claimed_time_s": self.claimed_time,
@@ -107,17 +124,17 @@ def judge(run: xr.Dataset) -> AlignmentVerdict:
     time, error = run["time"].values, wrap(run["heading_error"].values)
     inside = within(time, error, start, stop)
     rmse = heading_rmse(time, error, start, stop)
-    status = status_at_end(run)
+    status = own_status_at_end(run)
     return AlignmentVerdict(
-        ok=bool(rmse <= limit and abs(error[-1]) <= limit and status in FIT),
+        ok=bool(rmse <= limit and abs(error[-1]) <= limit and is_fit(status)),
         status=status,
         heading_rmse=rmse,
         heading_mean=float(np.mean(inside)),
         heading_largest=float(np.max(np.abs(inside))),
         heading_end=float(error[-1]),
-        heading_sigma=rms(within(time, run["heading_sigma"].values, start, stop)),
+        heading_sigma=rms(within(time, sigma_of_heading(run), start, stop)),
         convergence_time=holds_since(time, np.abs(error) <= limit),
-        claimed_time=holds_since(time, run["converged"].values),
+        claimed_time=holds_since(time, reports_convergence(run)),
         bound=run.attrs.get("bound.heading_rms"),
         **common(run),
     )

@@ -19,6 +19,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios.attitude import wrap
+from sim_scenarios.metrics.statistics import reports_convergence
 
 Array = NDArray[np.float64]
 
@@ -68,9 +69,9 @@ class Certainty:
 
 def of_run(run: xr.Dataset) -> Certainty:
     """Certainty of one filter of a run; each recorded instant stands for a recording period."""
-    time, sure = run["time"].values, run["converged"].values
+    time, sure = run["time"].values, reports_convergence(run)
     wrongly = {name: sure & (values > WRONG) for name, values in deviations(run).items()}
-    somewhere = np.any(list(wrongly.values()), axis=0)
+    somewhere = np.any([np.zeros_like(sure), *wrongly.values()], axis=0)
     period = float(time[-1] - time[-2])
     return Certainty(
         sure=period * int(sure.sum()),

@@ -18,13 +18,13 @@ from sim_scenarios.metrics import hand_over
 from sim_scenarios.metrics.hand_over import HandOver
 from sim_scenarios.metrics.statistics import nees_of, rms
 from sim_scenarios.metrics.verdict import (
-    FIT,
     Rmse,
     Verdict,
     cell,
     common,
+    is_fit,
     known,
-    status_at_end,
+    own_status_at_end,
     window,
 )
 from sim_scenarios.recording import under_way
@@ -139,7 +139,7 @@ class NavigationVerdict(Verdict):
 def judge(run: xr.Dataset) -> NavigationVerdict:
     """Verdict on the navigation of one filter of a run (a data set of `sim_scenarios.run`)."""
     handed = hand_over.of_run(run)
-    status, limit = status_at_end(run), float(run.attrs["evaluation.horizontal_limit"])
+    status, limit = own_status_at_end(run), float(run.attrs["evaluation.horizontal_limit"])
     if handed is not None and not handed.in_time:
         return NavigationVerdict(
             ok=False,
@@ -166,7 +166,7 @@ def judge(run: xr.Dataset) -> NavigationVerdict:
     horizontal = rms(position[:, :2])
     sigma = rms(inside("position_sigma")[:, :2]) if "position_sigma" in run else None
     return NavigationVerdict(
-        ok=bool(horizontal <= limit and status in FIT),
+        ok=bool(horizontal <= limit and is_fit(status)),
         status=status,
         horizontal=horizontal,
         vertical=rms(position[:, 2]),

@@ -176,6 +176,27 @@ def chi_square_interval(degrees_of_freedom: int, confidence: float = CONFIDENCE)
     return float(chdtri(degrees_of_freedom, 1 - tail)), float(chdtri(degrees_of_freedom, tail))
 
 
+def tells_nis(run: xr.Dataset) -> bool:
+    """Whether a filter tells what each fix brought it."""
+    return all(name in run for name in ("nis", "innovation_sigma", "fix_used"))
+
+
+def sigma_of_heading(run: xr.Dataset) -> Array:
+    """Sigma of the heading that one filter claims [rad], shape (times,); NaN of one that claims none."""
+    if "heading_sigma" not in run:
+        return np.full(run.sizes["time"], np.nan)
+    sigma: Array = run["heading_sigma"].values
+    return sigma
+
+
+def reports_convergence(run: xr.Dataset) -> NDArray[np.bool_]:
+    """Whether one filter reports convergence, shape (times,); one that cannot never does."""
+    if "converged" not in run:
+        return np.zeros(run.sizes["time"], dtype=bool)
+    converged: NDArray[np.bool_] = run["converged"].values
+    return converged
+
+
 def is_measured(run: xr.Dataset) -> NDArray[np.bool_]:
     """Which channels each fix measured, shape (fix, channel): those whose innovation has a sigma."""
     measured: NDArray[np.bool_] = run["innovation_sigma"].values > 0

@@ -7,15 +7,19 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
+import numpy as np
 import xarray as xr
 
 from sim_scenarios.metrics import certainty
 from sim_scenarios.metrics.certainty import Certainty
-from sim_scenarios.metrics.statistics import NisStatistics, is_measured, nis_statistics
+from sim_scenarios.metrics.statistics import NisStatistics, is_measured, nis_statistics, tells_nis
 from sim_scenarios.timeline import Window, inside
 
 FIT: Final = ("aligning", "converged")
-"""Status of a filter whose estimate may be relied on; in any other it may not, however small its error."""
+"""Status of a filter whose estimate may be relied on; in any other it may not, however small its error.
+
+A filter of somebody else's that has no status is judged by its error alone.
+"""
 
 
 class Rmse(NamedTuple):
@@ -33,26 +37,27 @@ class Verdict(ABC):
     ----------
     ok : bool
         The filter did what it is for: exit code 0.
-    status : str
-        Status of the filter at the end.
+    status : str or None
+        Status of the filter at the end, if it has one.
     nis : NisStatistics
         Over the fixes that the filter used in the evaluation window.
-    used_fixes, rejected_fixes : int
+    used_fixes, rejected_fixes : int or None
+        If the filter counts them.
     certainty : Certainty
         How long it reported convergence, and whether it was right.
     """
 
     ok: bool
-    status: str
+    status: str | None
     certainty: Certainty
     nis: NisStatistics
-    used_fixes: int
-    rejected_fixes: int
+    used_fixes: int | None
+    rejected_fixes: int | None
 
     @property
     def fit(self) -> bool:
         """Whether the estimate of the end is to be relied on."""
-        return self.status in FIT
+        return is_fit(self.status)
 
     @property
     @abstractmethod
@@ -94,14 +99,21 @@ class Verdict(ABC):
         return "\n".join([self.sentence(), *(f"  {name}: {text}" for name, text in self.headline().items())])
 
     def _common_figures(self) -> dict[str, str]:
-        return {
-            **self.certainty.headline(),
+        fixes = {
             "Mean NIS / channels": str(self.nis),
             "Fixes used, rejected": f"{self.used_fixes}, {self.rejected_fixes}",
         }
+        untold = self.used_fixes is None or self.rejected_fixes is None
+        return {**self.certainty.headline(), **({} if untold else fixes)}
 
     def _fix_cells(self) -> dict[str, str]:
-        return {"NIS /\nchan.": cell(self.nis.mean, 2), "refused": str(self.rejected_fixes)}
+        refused = "-" if self.rejected_fixes is None else str(self.rejected_fixes)
+        return {"NIS /\nchan.": cell(self.nis.mean, 2), "refused": refused}
+
+
+def is_fit(status: str | None) -> bool:
+    """Whether the estimate of a filter with a status may be relied on."""
+    return status is None or status in FIT
 
 
 def known(value: float) -> float | None:
@@ -119,6 +131,11 @@ def window(run: xr.Dataset) -> Window:
     return float(run.attrs["evaluation.start"]), float(run.attrs["evaluation.stop"])
 
 
+def own_status_at_end(run: xr.Dataset) -> str | None:
+    """Name of the status of the filter at the end; None of one that has none."""
+    return status_at_end(run) if "status" in run else None
+
+
 def status_at_end(run: xr.Dataset, name: str = "status") -> str:
     """Name of the status of the filter at the end, or of another variable of that kind."""
     status = run[name]
@@ -128,12 +145,19 @@ def status_at_end(run: xr.Dataset, name: str = "status") -> str:
 
 def common(run: xr.Dataset) -> dict[str, Any]:
     """What every verdict says of a run: its fixes, and whether the filter was rightly sure."""
-    start, stop = window(run)
-    time, used = run["fix_time"].values, run["fix_used"].values
-    counted = used & inside(time, start, stop)
+    rejected = None
+    if "rejected_fixes" in run:
+        rejected = int(run["rejected_fixes"].values[-1]) if run.sizes["fix"] else 0
     return {
-        "nis": nis_statistics(run["nis"].values[counted], is_measured(run)[counted].sum(axis=1)),
-        "used_fixes": int(used.sum()),
-        "rejected_fixes": int(run["rejected_fixes"].values[-1]) if run.sizes["fix"] else 0,
+        "nis": _nis(run),
+        "used_fixes": int(run["fix_used"].values.sum()) if "fix_used" in run else None,
+        "rejected_fixes": rejected,
         "certainty": certainty.of_run(run),
     }
+
+
+def _nis(run: xr.Dataset) -> NisStatistics:
+    if not tells_nis(run):
+        return nis_statistics(np.empty(0), 0)
+    counted = run["fix_used"].values & inside(run["fix_time"].values, *window(run))
+    return nis_statistics(run["nis"].values[counted], is_measured(run)[counted].sum(axis=1))

@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from sim_scenarios.metrics.statistics import sigma_of_heading
 from sim_scenarios.plots.style import BAND, BLUE, GREEN, INK, ORANGE, figure, limit, lines, shade_window
 from sim_scenarios.recording import ALIGNMENT, HAND_OVER
 from sim_scenarios.units import ARCMIN, DEGREE
@@ -17,13 +18,15 @@ STEADY_BOUND = "bound.heading_sigma_steady"
 
 def heading_error(run: xr.Dataset) -> Figure:
     """Heading error with 3 sigma and the bound: the whole run in degrees, its end in arcminutes."""
-    time, error, sigma = run["time"].values, run["heading_error"].values, run["heading_sigma"].values
+    time, error, sigma = run["time"].values, run["heading_error"].values, sigma_of_heading(run)
+    claims = "heading_sigma" in run
     with figure(rows=2, height=6.2, sharex=True) as (drawn, (whole, end)):
         for axes, unit in ((whole, DEGREE), (end, ARCMIN)):
             shade_window(axes, run, "evaluation window")
-            axes.fill_between(
-                time, -3 * sigma / unit, 3 * sigma / unit, label="3 sigma of the filter", **BAND
-            )
+            if claims:
+                axes.fill_between(
+                    time, -3 * sigma / unit, 3 * sigma / unit, label="3 sigma of the filter", **BAND
+                )
             _draw_three_sigma_of_bound(axes, run, unit)
             axes.plot(time, error / unit, color=BLUE, lw=1.3, label="heading error")
         limit(whole, np.abs(error).max() / DEGREE, floor=1.0)
@@ -31,7 +34,8 @@ def heading_error(run: xr.Dataset) -> Figure:
         whole.set_title("Heading error: estimated minus true")
         whole.legend(loc="upper right", ncols=2)
         inside = time >= run.attrs["evaluation.start"]
-        reach = max(np.abs(error[inside]).max(), 3.3 * sigma[inside].max(), 3.3 * _last_bound(run))
+        claimed = 3.3 * sigma[inside].max() if claims else 0.0
+        reach = max(np.abs(error[inside]).max(), claimed, 3.3 * _last_bound(run))
         limit(end, reach / ARCMIN, floor=1.0)
         end.set_ylabel("arcmin")
         end.set_xlabel("time [s]")

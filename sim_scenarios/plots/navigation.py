@@ -41,7 +41,7 @@ def comparison(runs: xr.Dataset) -> Figure:
                 axes[i].plot(runs["time"], error, dashes, color=colour, lw=1.2, label=label)
                 axes[i].set_ylabel(title)
                 inside = runs["time"].values >= runs.attrs["evaluation.start"]
-                largest[i] = max(largest[i], float(error[inside].max()))
+                largest[i] = max(largest[i], float(np.nanmax(error[inside], initial=0.0)))
         for panel, reach in zip(axes, largest, strict=True):
             shade_window(panel, runs)
             panel.set_ylim(0, 1.1 * reach or 1.0)
@@ -72,4 +72,4 @@ def _magnitudes(run: xr.Dataset) -> Iterator[tuple[str, Array, Array | None]]:
 
 def _from_zero(panel: Any, run: xr.Dataset, error: Array) -> None:
     inside = run["time"].values >= run.attrs["evaluation.start"]
-    panel.set_ylim(0, 1.3 * float(error[inside].max()) or 1.0)
+    panel.set_ylim(0, 1.3 * float(np.nanmax(error[inside], initial=0.0)) or 1.0)

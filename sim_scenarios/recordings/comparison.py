@@ -148,23 +148,27 @@ def evaluated(run: xr.Dataset) -> xr.Dataset:
 def against_fixes(run: xr.Dataset) -> AgainstFixes:
     """A replay against the fixes of its recording."""
     run = evaluated(run)
-    position = _positions_measured(run)
-    innovation = run["innovation"].values[:, position]
-    measured = is_measured(run)[:, position]
-    missed = np.where(measured, innovation, np.nan)
-    beyond = (np.abs(missed) > WRONG * run["innovation_sigma"].values[:, position]).any(axis=1)
-    sure = _converged_before(run) & measured.any(axis=1)
-    _, off = heading_minus_course(run)
-    mean = float(np.angle(np.mean(np.exp(1j * off)))) if len(off) else nan
+    off, sigma = missed(run), run["innovation_sigma"].values[:, _positions_measured(run)]
+    beyond = (np.abs(off) > WRONG * sigma).any(axis=1)
+    sure = _converged_before(run) & np.isfinite(off).any(axis=1)
+    _, turned = heading_minus_course(run)
+    mean = float(np.angle(np.mean(np.exp(1j * turned)))) if len(turned) else nan
     return AgainstFixes(
         fixes=run.sizes["fix"],
-        horizontal=_rms_of_norm(missed[:, :2]),
-        vertical=_rms_of_norm(missed[:, 2:]),
+        horizontal=_rms_of_norm(off[:, :2]),
+        vertical=_rms_of_norm(off[:, 2:]),
         heading_mean=mean,
-        heading_deviation=rms(wrap(off - mean)) if len(off) else nan,
+        heading_deviation=rms(wrap(turned - mean)) if len(turned) else nan,
         sure=int(sure.sum()),
         wrongly=int((sure & beyond).sum()),
     )
+
+
+def missed(run: xr.Dataset) -> Array:
+    """Innovation of the position of each fix, east, north, up [m], shape (fixes, 3); NaN if not measured."""
+    channels = _positions_measured(run)
+    off: Array = np.where(is_measured(run)[:, channels], run["innovation"].values[:, channels], np.nan)
+    return off
 
 
 def against_reference(run: xr.Dataset) -> AgainstReference | None:

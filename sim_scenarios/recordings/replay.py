@@ -287,7 +287,7 @@ def _dataset(
     plant = None
     if truth is not None:
         recorded, plant = changed(recorded, truth=references.at(truth, recorded.time)), fmus.plant
-    data = results.dataset(recorded, ["filter"], parts["filter"], plant, parts.get("alignment"))
+    data = results.dataset(recorded, {"filter": parts["filter"]}, plant, parts.get("alignment"))
     errors = [*results.ERRORS, f"{results.ALIGNMENT}heading_error"]
     untold = [name for name in errors if name in data and not np.isfinite(data[name].values).any()]
     return results.of_filter(data.drop_vars(untold), "filter")
