@@ -126,7 +126,7 @@ void Playback::play(const std::vector<Row>& rows, std::uint64_t& come, Output& o
     for (; come < rows.size() && rows[come].shown <= static_cast<double>(state_.samples); ++come) {
         if (!withheld(rows[come])) {
             put_out(rows[come]);
-            ++output.sample;
+            output.sample += static_cast<int>(rows[come].count);
         }
     }
 }

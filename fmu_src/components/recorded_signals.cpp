@@ -22,6 +22,7 @@ static_assert(std::endian::native == std::endian::little, "the file is read as i
 constexpr const char* file_name = "recording.bin";
 constexpr std::string_view magic = "TNplay1\n";
 constexpr std::size_t word = 8;
+constexpr double most = std::numeric_limits<int>::max();  // that a count reaches
 
 std::vector<std::byte> content(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary | std::ios::ate);
@@ -95,13 +96,19 @@ recorded::Sums sums_of(std::span<const std::byte> bytes) {
 // Of a table whose rows come with IMU samples, in their order.
 template <class Row>
 void check_shown(const char* table, const std::vector<Row>& rows, std::size_t samples) {
-    double last = 1.0;
+    double next = 1.0;
+    double count = 0.0;
     for (const Row& row : rows) {
-        if (!(row.shown >= last && row.shown <= static_cast<double>(samples)) || !std::isfinite(row.time)) {
+        if (!(row.shown >= next && row.shown <= static_cast<double>(samples)) || !std::isfinite(row.time)) {
             throw std::runtime_error(text(table, " of ", row.time, " s comes with the IMU sample ", row.shown,
-                                          ": must be one from ", last, " to ", samples));
+                                          ": must be one from ", next, " to ", samples));
         }
-        last = row.shown;
+        next = row.shown + 1.0;
+        count += row.count;
+        if (!(row.count >= 1.0 && count <= most)) {
+            throw std::runtime_error(text(table, " of ", row.time, " s is the last of ", row.count,
+                                          ": must be at least 1, and not more than 32 bits count"));
+        }
     }
 }
 
@@ -153,7 +160,7 @@ void RecordedSignals::check() const {
             throw std::runtime_error(text("IMU sample at ", sample.time, " s: must come after ", last, " s"));
         }
         count += 1.0 + sample.missed;
-        if (!(sample.missed >= 0.0) || count > std::numeric_limits<int>::max()) {
+        if (!(sample.missed >= 0.0) || count > most) {
             throw std::runtime_error(text("before the IMU sample at ", sample.time, " s ", sample.missed,
                                           " were missed: must be at least 0, and not more than 32 bits count"));
         }

@@ -9,9 +9,9 @@
 //     6 tables   ImuSample, Fix, BodyVelocity, HeadingAid, HeightAid, Truth: a u64, the number of rows, and
 //                the rows, each so many f64 as the struct below has, in its order
 //
-// Times are those of the recording's clock. A measurement of an aid comes with the IMU sample `shown`, counted
-// from 1. Of the truth there is a row for the begin and one for each sample, or none at all; what nobody tells
-// is not a number.
+// Times are those of the recording's clock. A measurement of an aid comes with the IMU sample of the number
+// `shown`, the first being 1; `count` is how many came with that sample, of which it is the last. Of the truth
+// there is a row for the begin and one for each sample, or none at all; what nobody tells is not a number.
 #pragma once
 
 #include <array>
@@ -34,6 +34,7 @@ struct ImuSample {
 
 struct Fix {
     double shown;
+    double count;
     double time;
     double latitude;
     double longitude;
@@ -45,6 +46,7 @@ struct Fix {
 
 struct BodyVelocity {
     double shown;
+    double count;
     double time;
     Triple velocity;
     Triple sigma;
@@ -52,6 +54,7 @@ struct BodyVelocity {
 
 struct HeadingAid {
     double shown;
+    double count;
     double time;
     double heading;
     double sigma;
@@ -59,6 +62,7 @@ struct HeadingAid {
 
 struct HeightAid {
     double shown;
+    double count;
     double time;
     double height;
     double sigma;

@@ -54,7 +54,7 @@ def experiment_file(system: System, name: str) -> str:
 def options(system: System) -> str:
     """Options of the FMI cross-check."""
     return (
-        f"StartTime,0.0\nStopTime,{system.stop}\nStepSize,{system.step}\nRelTol,0.0\nAbsTol,0.0\n"
+        f"StartTime,0.0\nStopTime,{system.checked}\nStepSize,{system.step}\nRelTol,0.0\nAbsTol,0.0\n"
         f"SolverName,FixedStep\nOutputIntervalLength,{OUTPUT_INTERVAL}\n"
     )
 
