@@ -32,7 +32,10 @@ def read(path: Path) -> Declaration:
     whole, outputs = (_names(path, content, key) for key in ("include", "outputs_of"))
     overrides = content.pop("override", {})
     included = [*whole, *outputs]
-    parts = [*(_fragment(path, name) for name in whole), *(_outputs(_fragment(path, name)) for name in outputs)]
+    parts = [
+        *(_fragment(path, name) for name in whole),
+        *(_outputs(_fragment(path, name)) for name in outputs),
+    ]
     _override(path.name, parts, overrides)
 
     own = _validated(Declaration, path.name, content)

@@ -128,16 +128,12 @@ def export_recording(
             return report.report_replay(run, Path(place)).read_bytes()
 
     with TemporaryDirectory(dir=temporary()) as place:
-        system = of_recording(
-            recording, start, Path(place), task=task, settings=set, fmus=fmus, step=step
-        )
+        system = of_recording(recording, start, Path(place), task=task, settings=set, fmus=fmus, step=step)
         _write(system, folder, dict(set), page)
     return system
 
 
-def _write(
-    system: System, folder: Path, settings: Mapping[str, object], page: Callable[[], bytes]
-) -> None:
+def _write(system: System, folder: Path, settings: Mapping[str, object], page: Callable[[], bytes]) -> None:
     """The folder of a system; `page` makes its report."""
     results = reference.simulate(system)
     about: dict[str, str | bytes] = {

@@ -67,6 +67,7 @@ def of_recording(
     Parameters
     ----------
     recording : Recording
+        What is played.
     start : Start
         What is known at the start.
     folder : Path
@@ -76,6 +77,7 @@ def of_recording(
     settings : mapping
         Parameters by name, of the filters as for `recordings.replay`, or of Playback.
     fmus : Fmus
+        Playback as it is built, and the filters.
     step : float, optional
         Communication step [s]; by default one in which no two samples come.
 
@@ -107,5 +109,5 @@ def of_recording(
         file_name(recording.name), f"{recording.name}, {begun.words}", steps * step, step, checked * step
     )
     truth = {} if recording.reference is None else references.at(recording.reference, fed.time)
-    told = [name for name, column in truth.items() if np.isfinite(column).any()]
+    told = ["recording.time", *(name for name, column in truth.items() if np.isfinite(column).any())]
     return connected_system(plan, {PLANT: source, **parts}, {PLANT: of_source, **values}, told)

@@ -1,7 +1,7 @@
-"""The file from which the Playback FMU plays a recording; its layout: `fmu_src/components/recorded_signals.hpp`.
+"""The file that the Playback FMU plays; its layout: `fmu_src/components/recorded_signals.hpp`.
 
-It holds what `recordings.feed` feeds to a filter, row by row, so that the FMU decides nothing: which fix comes
-with which sample of the IMU, and where samples were lost.
+It holds what `recordings.feed` feeds to a filter, row by row, so that the FMU decides nothing: which fix
+comes with which sample of the IMU, and where samples were lost.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 
 from sim_scenarios.cosimulation import connected, handed_over
-from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number
+from sim_scenarios.fmus import ALIGNMENT_FILTER, PLAYBACK, Fmu, Fmus, Number
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.simulation import TRUTH, filter_values, initial_values, start_plant
 
@@ -99,6 +99,11 @@ class System:
     connections: list[Connection]
 
     @property
+    def recorded(self) -> bool:
+        """Whether the signals are those of a recording."""
+        return self.plant.fmu.name == PLAYBACK
+
+    @property
     def components(self) -> list[Component]:
         """In the order of stepping."""
         return [self.plant, *([self.alignment] if self.alignment else []), self.filter]
@@ -146,6 +151,7 @@ def connected_system(
     Parameters
     ----------
     plan : Plan
+        What the system is called and for how long it runs.
     parts : mapping of str to Fmu
         The FMUs by the names of their components; `alignment` may be missing.
     values : mapping of str to mapping
