@@ -33,8 +33,8 @@ def read(path: Path) -> Declaration:
     overrides = content.pop("override", {})
     included = [*whole, *outputs]
     parts = [
-        *(_fragment(path, name) for name in whole),
-        *(_outputs(_fragment(path, name)) for name in outputs),
+        *(_fragment(path, name, "include") for name in whole),
+        *(_outputs(_fragment(path, name, "outputs_of")) for name in outputs),
     ]
     _override(path.name, parts, overrides)
 
@@ -71,11 +71,11 @@ def _names(path: Path, content: Table, key: str) -> list[str]:
     return names
 
 
-def _fragment(path: Path, name: str) -> Table:
+def _fragment(path: Path, name: str, key: str) -> Table:
     """Content of an included file; its name is relative to the including one."""
     file = path.parent / name
     if not file.is_file():
-        raise DeclarationError(f"{path.name}: include: there is no file '{name}'")
+        raise DeclarationError(f"{path.name}: {key}: there is no file '{name}'")
     return _table(file, name)
 
 

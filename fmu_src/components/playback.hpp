@@ -73,7 +73,8 @@ class Playback {
 
         template <class Archive>
         void serialize(Archive& archive) {
-            archive(initialised, start_time, begin, first, samples, fixes, body_velocities, headings, heights);
+            archive(initialised, start_time, begin, first, samples, fixes, body_velocities, headings,
+                    heights);
         }
     };
 

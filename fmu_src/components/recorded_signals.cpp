@@ -161,8 +161,9 @@ void RecordedSignals::check() const {
         }
         count += 1.0 + sample.missed;
         if (!(sample.missed >= 0.0) || count > most) {
-            throw std::runtime_error(text("before the IMU sample at ", sample.time, " s ", sample.missed,
-                                          " were missed: must be at least 0, and not more than 32 bits count"));
+            throw std::runtime_error(
+                text("before the IMU sample at ", sample.time, " s ", sample.missed,
+                     " were missed: must be at least 0, and not more than 32 bits count"));
         }
         last = sample.time;
     }

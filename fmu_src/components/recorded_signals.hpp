@@ -10,8 +10,9 @@
 //                the rows, each so many f64 as the struct below has, in its order
 //
 // Times are those of the recording's clock. A measurement of an aid comes with the IMU sample of the number
-// `shown`, the first being 1; `count` is how many came with that sample, of which it is the last. Of the truth
-// there is a row for the begin and one for each sample, or none at all; what nobody tells is not a number.
+// `shown`, the first being 1; `count` is how many came with that sample, of which it is the last. Of the
+// truth there is a row for the begin and one for each sample, or none at all; what nobody tells is not a
+// number.
 #pragma once
 
 #include <array>

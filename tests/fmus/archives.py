@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from calls import Fmu, Number
+
+from sim_scenarios.exchange import signals
+from sim_scenarios.recordings.feed import Feed
 
 ROOT = Path(__file__).parents[2]
 FMUS = Path(os.environ.get("TRUENORTH_FMUS", ROOT / "build" / "fmus"))
@@ -14,6 +19,16 @@ FILTERS = [archive.stem for archive in ARCHIVES if archive.stem.endswith("Filter
 
 STEP = 0.01
 SAMPLES = 2000
+
+
+def give_recording(folder: Path, samples: Sequence[dict[str, Number]]) -> None:
+    """What an unpacked Playback puts out, at the steps of STEP: names and values of a plant's outputs."""
+    start = {name: samples[0][name] if name.startswith("gnss.") else 0 for name in samples[0]}
+    rows = [{**start, "gnss.sample": 0}, *samples]
+    columns = {name: np.array([row[name] for row in rows]) for name in start}
+    file = folder / signals.FILE
+    file.parent.mkdir(exist_ok=True)
+    file.write_bytes(signals.content(Feed(columns["imu.time"], columns), None))
 
 
 def variants(fmu: Fmu) -> list[dict[str, Number]]:
