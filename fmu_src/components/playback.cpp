@@ -36,7 +36,7 @@ void Playback::check() const {
     for (Eigen::Index i = 0; i < begin.size(); ++i) {
         if (end[i] < begin[i]) {
             rules::refuse(element("gnss.outage.end", i), end[i],
-                          text("at least ", element("gnss.outage.begin", i), " = ", begin[i]));
+                          "at least " + element("gnss.outage.begin", i) + " = " + text(begin[i]));
         }
     }
 }
@@ -176,10 +176,14 @@ void Playback::put_out(const recorded::HeightAid& measured) {
 void Playback::put_out_truth() {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     constexpr recorded::Triple nothing{unknown, unknown, unknown};
-    const recorded::Truth truth =
-        signals_->truth().empty()
-            ? recorded::Truth{unknown, unknown, unknown, unknown, unknown, unknown, nothing}
-            : signals_->truth()[state_.samples];
+    const recorded::Truth truth = signals_->truth().empty() ? recorded::Truth{.roll = unknown,
+                                                                              .pitch = unknown,
+                                                                              .heading = unknown,
+                                                                              .latitude = unknown,
+                                                                              .longitude = unknown,
+                                                                              .height = unknown,
+                                                                              .velocity = nothing}
+                                                            : signals_->truth()[state_.samples];
     outputs.truth = {
         .roll = truth.roll,
         .pitch = truth.pitch,

@@ -49,7 +49,7 @@ class Reader {
 
     template <class T>
     T take() {
-        T value;
+        T value{};
         take_to(&value, 1);
         return value;
     }
@@ -137,7 +137,7 @@ RecordedSignals::RecordedSignals(const std::filesystem::path& resources) {
         reader.take(height_aid_);
         reader.take(truth_);
         if (!reader.left().empty()) {
-            throw std::runtime_error(text(reader.left().size(), " bytes follow its end"));
+            throw std::runtime_error(text(reader.left().size()) + " bytes follow its end");
         }
         check();
     } catch (const std::runtime_error& reason) {

@@ -35,7 +35,7 @@ from sim_scenarios.exchange.system import Component, System, of_scenario
 from sim_scenarios.fmus import PLAYBACK, Fmus
 from sim_scenarios.folders import filled, temporary
 from sim_scenarios.recordings.description import load
-from sim_scenarios.recordings.replay import Filter
+from sim_scenarios.recordings.replay import SETTLING, Filter
 from sim_scenarios.recordings.replay import replay as replay_recording
 from sim_scenarios.recordings.start import Start
 from sim_scenarios.recordings.tables import Recording
@@ -122,13 +122,16 @@ def export_recording(
         recording = load(Path(recording))
     of_filters = {name: value for name, value in set.items() if not fmus[PLAYBACK].has_parameter(name)}
 
-    def page() -> bytes:
-        run = replay_recording(recording, start, filter=task, set=of_filters, fmus=fmus)
-        with TemporaryDirectory(dir=temporary()) as place:
-            return report.report_replay(run, Path(place)).read_bytes()
-
     with TemporaryDirectory(dir=temporary()) as place:
         system = of_recording(recording, start, Path(place), task=task, settings=set, fmus=fmus, step=step)
+
+        def page() -> bytes:
+            judged = min(SETTLING, system.stop / 2)
+            run = replay_recording(
+                recording, start, filter=task, evaluate_after=judged, set=of_filters, fmus=fmus
+            )
+            return report.report_replay(run, Path(place) / "report").read_bytes()
+
         _write(system, folder, dict(set), page)
     return system
 

@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 FILE: Final = "resources/recording.bin"
 """In the FMU."""
 MAGIC: Final = b"TNplay1\n"
+ROUNDING: Final = 1e-9
+"""What differences of stamps may be off [s]."""
 SHORTEST: Final = 0.1
 """Of a sampling period, down to which a communication step may be."""
 
@@ -90,11 +92,11 @@ def suitable_step(clock: Array) -> float:
     """
     period = stamps.period(clock[1:])
     numbers = np.rint((clock - clock[0]) / period)
-    even = float((clock[-1] - clock[0]) / numbers[-1])
+    even = float(f"{(clock[-1] - clock[0]) / numbers[-1]:.12g}")
     on_grid = np.abs(clock - clock[0] - even * np.rint((clock - clock[0]) / even)) < SAME_MOMENT
     if on_grid.all():
         return even
-    shortest = max(float(np.min(np.diff(clock))), SHORTEST * period)
+    shortest = max(float(np.min(np.diff(clock))), SHORTEST * period) + ROUNDING
     power = 10.0 ** np.floor(np.log10(shortest))
     return float(max(power * factor for factor in (1, 2, 5) if power * factor <= shortest))
 
