@@ -23,9 +23,9 @@ SAMPLES = 2000
 
 def give_recording(folder: Path, samples: Sequence[dict[str, Number]]) -> None:
     """What an unpacked Playback puts out, at the steps of STEP: names and values of a plant's outputs."""
-    start = {name: samples[0][name] if name.startswith("gnss.") else 0 for name in samples[0]}
-    rows = [{**start, "gnss.sample": 0}, *samples]
-    columns = {name: np.array([row[name] for row in rows]) for name in start}
+    first = samples[0]
+    rows = [{**first, "imu.sample": first["imu.sample"] - 1, "imu.time": first["imu.time"] - STEP}, *samples]
+    columns = {name: np.array([row[name] for row in rows]) for name in first}
     file = folder / signals.FILE
     file.parent.mkdir(exist_ok=True)
     file.write_bytes(signals.content(Feed(columns["imu.time"], columns), None))

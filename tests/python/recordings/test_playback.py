@@ -109,7 +109,7 @@ def test_a_later_begin_is_the_feed_from_there(ship: Recording, all_fmus: Fmus, t
     found = put_out(fed, ship, all_fmus, tmp_path, 0.0)
     np.testing.assert_array_equal(found["imu.sample"], np.arange(len(fed.time)))
     np.testing.assert_array_equal(found["gnss.sample"], fed.columns["gnss.sample"])
-    assert found["gnss.sample"][-1] == 4 * 17 + 2
+    assert found["gnss.sample"][-1] == 71  # each 0.25 s from 12.5 s to 30 s
 
 
 # ------------------------------------------------------------------ the step
