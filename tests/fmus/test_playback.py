@@ -54,9 +54,7 @@ def test_folders_may_have_any_name(template: Fmu, signals: Samples, tmp_path: Pa
     template.library.fmi2FreeInstance(handle)
 
 
-def test_damaged_recordings_are_refused_with_the_file(
-    template: Fmu, signals: Samples, tmp_path: Path
-) -> None:
+def test_damaged_recordings_are_refused_with_the_file(template: Fmu, signals: Samples) -> None:
     give_recording(template.folder, signals[:50])
     file, dice = template.folder / "resources" / "recording.bin", random.Random(1)
     whole = file.read_bytes()
