@@ -29,11 +29,13 @@ Table: TypeAlias = dict[str, Any]
 def read(path: Path) -> Declaration:
     """Read and check a declaration; what it includes comes first."""
     content = _table(path, path.name)
-    included = content.pop("include", [])
+    whole, outputs = (_names(path, content, key) for key in ("include", "outputs_of"))
     overrides = content.pop("override", {})
-    if not isinstance(included, list) or not all(isinstance(name, str) for name in included):
-        raise DeclarationError(f"{path.name}: include: must be a list of file names")
-    parts = [_fragment(path, name) for name in included]
+    included = [*whole, *outputs]
+    parts = [
+        *(_fragment(path, name, "include") for name in whole),
+        *(_outputs(_fragment(path, name, "outputs_of")) for name in outputs),
+    ]
     _override(path.name, parts, overrides)
 
     own = _validated(Declaration, path.name, content)
@@ -61,12 +63,28 @@ def _table(path: Path, name: str) -> Table:
         raise DeclarationError(f"{name}: {error}") from error
 
 
-def _fragment(path: Path, name: str) -> Table:
+def _names(path: Path, content: Table, key: str) -> list[str]:
+    """Names of the files of a key, which is taken out of the content."""
+    names = content.pop(key, [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise DeclarationError(f"{path.name}: {key}: must be a list of file names")
+    return names
+
+
+def _fragment(path: Path, name: str, key: str) -> Table:
     """Content of an included file; its name is relative to the including one."""
     file = path.parent / name
     if not file.is_file():
-        raise DeclarationError(f"{path.name}: include: there is no file '{name}'")
+        raise DeclarationError(f"{path.name}: {key}: there is no file '{name}'")
     return _table(file, name)
+
+
+def _outputs(fragment: Table) -> Table:
+    """The outputs alone of an included file, with the enumerations that they have."""
+    variables = [v for v in fragment.get("variable", []) if v.get("causality") == "output"]
+    types = {v.get("type") for v in variables}
+    enumerations = {n: e for n, e in fragment.get("enumeration", {}).items() if n in types}
+    return {"variable": variables, "enumeration": enumerations}
 
 
 def _override(file: str, parts: list[Table], overrides: Table) -> None:

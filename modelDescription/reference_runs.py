@@ -8,11 +8,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+import fmpy
 import numpy as np
 from numpy.typing import NDArray
 
 import sim_scenarios
+from sim_scenarios.exchange.recorded import playback
+from sim_scenarios.fmus import PLAYBACK, Fmus
+from sim_scenarios.recordings.feed import Feed
 
 Array = NDArray[np.float64]
 HERE = Path(__file__).parent
@@ -88,8 +93,22 @@ class Chart:
         return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="currentColor">{text}</text>'
 
 
+def played(seconds: float, step: float) -> dict[str, Array]:
+    """Outputs of Playback, by name and at each step, of what the plant puts out as it is built."""
+    fmus = Fmus()
+    signals = ["imu.sample", "imu.time", *(n for n in fmus.plant.outputs() if n.startswith("imu.delta_"))]
+    span = {"start_time": 0.0, "stop_time": seconds, "output_interval": step}
+    recorded = fmpy.simulate_fmu(str(fmus.plant.path), output=signals, **span)
+    fed = Feed(recorded["imu.time"], {name: recorded[name] for name in signals})
+    with TemporaryDirectory() as folder:
+        fmu = playback(fmus[PLAYBACK], Path(folder), fed, None)
+        result = fmpy.simulate_fmu(str(fmu.path), output=signals, **span)
+    return {name: result[name] for name in result.dtype.names}
+
+
 def charts() -> dict[str, Chart]:
     """By the name of the FMU."""
+    tape = played(60.0, 0.01)
     ship = sim_scenarios.run("swaying_ship")
     flight = sim_scenarios.run("flight_loose_tight")
     time = ship["time"].to_numpy()
@@ -100,6 +119,12 @@ def charts() -> dict[str, Chart]:
         "TruthPlant": Chart(
             "The first minute of the scenario swaying_ship: truth.roll and truth.pitch",
             "deg", time[minute], attitude, {}, 10.0,
+        ),
+        "Playback": Chart(
+            "The first minute of a recording of a swaying ship: imu.delta_velocity, right and forward",
+            "m/s", tape["time"],
+            {name: tape[f"imu.delta_velocity[{i}]"] for i, name in ((1, "right"), (2, "forward"))},
+            {}, 0.02,
         ),
         "AlignmentFilter": Chart(
             "Scenario swaying_ship, seed 1: error of nav.heading and 3 heading_sigma",

@@ -27,11 +27,12 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.folders import temporary
 
 PLANT: Final = "TruthPlant"
+PLAYBACK: Final = "Playback"
 ALIGNMENT_FILTER: Final = "AlignmentFilter"
 NAVIGATION_FILTER: Final = "NavigationFilter"
 SIGNALS: Final = ("imu.", "gnss.", "body_velocity.", "heading_aid.", "height_aid.")
 """Beginnings of the names of inputs that a source of signals feeds; other inputs are set like parameters."""
-OPTIONAL: Final = ("gnss.fix_", "body_velocity.", "heading_aid.", "height_aid.")
+OPTIONAL: Final = ("gnss.fix_", "gnss.channel.", "body_velocity.", "heading_aid.", "height_aid.")
 """Beginnings of the names of those that a source may lack: as they start, they say that there is nothing."""
 
 START: Final = "initial."

@@ -65,21 +65,24 @@ struct Request {
     bool logging;
 };
 
+inline std::filesystem::path resources_of(const Request& request) {
+    return folder_of(request.resources == nullptr ? "" : request.resources);
+}
+
 inline StartValues start_values(const Request& request, std::string_view guid) {
     const std::string_view given = request.token == nullptr ? "NULL" : request.token;
     if (!given.starts_with(guid)) {
         throw Refusal(std::string(request.token_name) + " = " + std::string(given) + ": this FMU is " +
                       std::string(guid) + "; modelDescription.xml and the binary belong to different builds");
     }
-    return StartValues::marked(given.substr(guid.size()),
-                               folder_of(request.resources == nullptr ? "" : request.resources));
+    return StartValues::marked(given.substr(guid.size()), resources_of(request));
 }
 
 // nullptr, and a line of the log, when `check` or the request itself is at fault.
 template <class Check>
 Instance* instantiate(const Request& request, const Journal::Sink& sink, Check check) noexcept {
-    const Fmu fmu = this_fmu();
     try {
+        const Fmu fmu = this_fmu(resources_of(request));
         try {
             check();
             if (request.instance_name == nullptr || *request.instance_name == '\0') {
@@ -91,7 +94,7 @@ Instance* instantiate(const Request& request, const Journal::Sink& sink, Check c
         } catch (const std::exception& reason) {
             Journal(sink, fmu.log, false).error(std::string(request.function) + ": " + reason.what());
         }
-    } catch (...) {  // no memory for the line, or a logger that throws
+    } catch (...) {  // no memory, or a logger that throws
         return nullptr;
     }
     return nullptr;

@@ -1,10 +1,12 @@
 // A component as the FMI layer sees it: scalars by reference, a clock, and its complete state as bytes.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/log.hpp"
@@ -48,12 +50,13 @@ class Component {
 };
 
 // A component of the class C, through its generated table. It is sampled each `period` [s] unless it says
-// otherwise.
+// otherwise. What is given besides, its constructor takes after the log.
 template <class C>
 class TabledComponent final : public Component {
   public:
-    TabledComponent(std::span<const Row<C>> table, double period, Log& log)
-        : period_(period), component_(log) {
+    template <class... Given>
+    TabledComponent(std::span<const Row<C>> table, double period, Log& log, Given... given)
+        : period_(period), component_(log, std::move(given)...) {
         cells_.reserve(table.size());
         for (const Row<C>& row : table) {
             cells_.push_back({.variable = row.variable, .address = row.address(component_)});
@@ -90,5 +93,23 @@ class TabledComponent final : public Component {
     double period_;
     C component_;
 };
+
+// What makes components of the class C. One that has Resources reads them from a folder when the first is
+// made, and all share them.
+template <class C>
+std::function<std::unique_ptr<Component>(Log&)> maker(std::span<const Row<C>> table, double period,
+                                                      const std::filesystem::path& resources) {
+    if constexpr (requires { typename C::Resources; }) {
+        using Resources = typename C::Resources;
+        return [table, period, resources, read = std::shared_ptr<const Resources>()](Log& log) mutable {
+            if (!read) {
+                read = std::make_shared<const Resources>(resources);
+            }
+            return std::make_unique<TabledComponent<C>>(table, period, log, read);
+        };
+    } else {
+        return [table, period](Log& log) { return std::make_unique<TabledComponent<C>>(table, period, log); };
+    }
+}
 
 }  // namespace truenorth::fmi

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "components/log.hpp"
@@ -19,7 +21,8 @@ struct Identity {
 struct Fmu {
     Identity identity;
     LogCategories log;
-    std::unique_ptr<Component> (*make_component)(Log&);
+    // Throws what reading the resources throws, the first time.
+    std::function<std::unique_ptr<Component>(Log&)> make_component;
 };
 
 enum class Kind : std::uint8_t { co_simulation, model_exchange };
@@ -30,7 +33,8 @@ struct Use {
     Kind kind;
 };
 
-[[nodiscard]] Fmu this_fmu();
+// With its resources in a folder, which may not exist if the component reads none.
+[[nodiscard]] Fmu this_fmu(const std::filesystem::path& resources);
 
 // Hash of the model description and of the sources: another FMU has another.
 [[nodiscard]] const char* guid();

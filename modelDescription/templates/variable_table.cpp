@@ -21,10 +21,6 @@ constexpr std::array<Row<C>, {{ component.scalars | length }}> table{ {
 {% endfor %}
 } };
 
-std::unique_ptr<Component> make_component(Log& log) {
-    return std::make_unique<TabledComponent<C>>(table, {{ component.default_experiment.step_size }}, log);
-}
-
 constexpr LogCategories log_categories{
 {% for role, category in log_categories.items() %}
     .{{ role }} = "{{ category.name }}",
@@ -33,6 +29,10 @@ constexpr LogCategories log_categories{
 
 }  // namespace
 
-Fmu this_fmu() { return { {"{{ component.name }}", guid()}, log_categories, make_component}; }
+Fmu this_fmu(const std::filesystem::path& resources) {
+    return { {"{{ component.name }}", guid()},
+            log_categories,
+            maker<C>(table, {{ component.default_experiment.step_size }}, resources)};
+}
 
 }  // namespace truenorth::fmi

@@ -22,7 +22,7 @@ COMMANDS: Final = {
     "import": "import_recording:import_recording",
     "replay": "replay:replay_recording",
     "derive": "derive:derive_noise",
-    "export": "export:export_scenario",
+    "export": "export:export_system",
     "verify": "verify:verify_export",
 }
 """Function of every subcommand and its module in this package. The order is that of the help."""

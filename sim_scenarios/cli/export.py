@@ -7,39 +7,94 @@ from typing import Annotated
 
 import typer
 
-from sim_scenarios.cli.options import AsJson, Scenario, Seed, Settings, SettingsFile, settings
+from sim_scenarios.cli.beginning import (
+    COURSE_SPEED,
+    LEVELLING,
+    CourseSpeed,
+    Heading,
+    HeadingSigma,
+    Levelling,
+    StartsAt,
+    Through,
+    Where,
+    begin,
+)
+from sim_scenarios.cli.options import AsJson, Seed, Settings, SettingsFile, scenarios, settings
 from sim_scenarios.cli.results import Results, storing
 from sim_scenarios.cli.terminal import print_json, print_pairs, refusing_bad_input
-from sim_scenarios.exchange import STEP, export
+from sim_scenarios.errors import InputError
+from sim_scenarios.exchange import STEP, export, export_recording
 from sim_scenarios.names import file_name
+from sim_scenarios.recordings.description import is_recording
+from sim_scenarios.recordings.replay import Filter
+from sim_scenarios.recordings.start import Start
 
 
-def export_scenario(
-    scenario: Scenario,
+def export_system(
+    what: Annotated[
+        str,
+        typer.Argument(
+            metavar="SCENARIO|RECORDING",
+            help="Name of a shipped scenario (`truenorth list`) or of a TOML file of one; or a recording, as "
+            "for `truenorth replay`.",
+            show_default=False,
+            autocompletion=scenarios,
+        ),
+    ],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Folder to write.", show_default="truenorth-export/SCENARIO"),
+        typer.Option("--output", "-o", help="Folder to write.", show_default="truenorth-export/NAME"),
     ] = None,
     seed: Seed = None,
     set_: Settings = None,
     set_from: SettingsFile = None,
-    step: Annotated[float, typer.Option(help="Communication step of the exported system [s].")] = STEP,
+    step: Annotated[
+        float | None,
+        typer.Option(
+            help="Communication step of the exported system [s].",
+            show_default=f"{STEP}, or of a recording one in which no two samples come",
+        ),
+    ] = None,
+    filter_: Through = Filter.alignment,
+    heading: Heading = None,
+    heading_sigma: HeadingSigma = None,
+    start: StartsAt = Where.first,
+    course_speed: CourseSpeed = COURSE_SPEED,
+    levelling: Levelling = LEVELLING,
     as_json: AsJson = False,
 ) -> None:
-    """Write a scenario for other tools: FMUs, SSP, OSP, parameters, reference results.
+    """Write a scenario or a recording for other tools: FMUs, SSP, OSP, parameters, reference results.
+
+    Of a recording (*recording.toml*, or a file that has it all), the FMU `Playback` puts out what was
+    measured, and the filters start on it as in `truenorth replay`, whose options these are: `--filter`,
+    `--heading`, `--heading-sigma`, `--start`, `--course-speed` and `--levelling`.
 
     For example:
 
         truenorth export swaying_ship
         truenorth export zigzag --output partner --seed 7 --step 0.01
+        truenorth export recording.toml --filter navigation --start course
     """
     with refusing_bad_input():
-        folder = output or Path("truenorth-export") / file_name(Path(scenario).stem)
+        recorded = is_recording(Path(what))
+        if recorded and seed is not None:
+            raise InputError(f"--seed: {what} is a recording, which has no random streams")
+        begun = begin(heading, heading_sigma, start, course_speed, levelling)
+        if not recorded and (filter_, begun) != (Filter.alignment, Start()):
+            raise InputError(
+                f"{what} is a scenario; --filter and the options of the start are for recordings"
+            )
+        folder = output or Path("truenorth-export") / file_name(Path(what).name.split(".")[0])
         Results(folder)
+        given = settings(set_, set_from)
         with storing(folder):
-            system = export(scenario, folder, seed=seed, set=settings(set_, set_from), step=step)
+            if recorded:
+                system = export_recording(what, folder, begun, filter=filter_, set=given, step=step)
+            else:
+                system = export(what, folder, seed=seed, set=given, step=STEP if step is None else step)
     files = {"ssp": str(folder / f"{system.name}.ssp"), "readme": str(folder / "README.md")}
+    kind = "recording" if recorded else "scenario"
     if as_json:
-        print_json({"scenario": system.name, "communication_step": system.step, **files})
+        print_json({kind: system.name, "communication_step": system.step, **files})
     else:
-        print_pairs({"Scenario": system.name, "System": files["ssp"], "Read first": files["readme"]})
+        print_pairs({kind.capitalize(): system.name, "System": files["ssp"], "Read first": files["readme"]})

@@ -61,7 +61,8 @@ class Parameter:
 
 def list_parameters(
     fmu: Annotated[
-        str, typer.Argument(help="TruthPlant, AlignmentFilter or NavigationFilter.", show_default="all")
+        str,
+        typer.Argument(help="TruthPlant, Playback, AlignmentFilter or NavigationFilter.", show_default="all"),
     ] = "",
     word: Annotated[
         str, typer.Argument(help="A part of the name, or of what it means.", show_default="all parameters")
@@ -79,9 +80,9 @@ def list_parameters(
         truenorth parameters AlignmentFilter robust
         truenorth parameters TruthPlant --json
     """
-    from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, PLANT, load
+    from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, PLANT, PLAYBACK, load
 
-    names = (PLANT, ALIGNMENT_FILTER, NAVIGATION_FILTER)
+    names = (PLANT, PLAYBACK, ALIGNMENT_FILTER, NAVIGATION_FILTER)
     with refusing_bad_input():
         if fmu not in names and word:
             raise InputError(f"there is no FMU '{fmu}'; there are {', '.join(names)}")

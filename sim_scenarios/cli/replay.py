@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,6 +10,18 @@ import typer
 import xarray as xr
 
 from sim_scenarios import report
+from sim_scenarios.cli.beginning import (
+    COURSE_SPEED,
+    LEVELLING,
+    CourseSpeed,
+    Heading,
+    HeadingSigma,
+    Levelling,
+    StartsAt,
+    Through,
+    Where,
+    begin,
+)
 from sim_scenarios.cli.options import AsJson, Output, Settings, SettingsFile, axes, settings
 from sim_scenarios.cli.results import Results, storing
 from sim_scenarios.cli.terminal import (
@@ -32,16 +43,7 @@ from sim_scenarios.recordings import comparison, outages, side_by_side
 from sim_scenarios.recordings.exports import Format, export
 from sim_scenarios.recordings.outages import Outages
 from sim_scenarios.recordings.replay import SETTLING, Filter, replay
-from sim_scenarios.recordings.start import Start
 from sim_scenarios.recordings.zero_velocity import ZeroVelocity
-from sim_scenarios.units import DEGREE
-
-
-class Where(str, Enum):
-    """Where in a recording the filter starts."""
-
-    first = "first"
-    course = "course"
 
 
 def replay_recording(
@@ -52,34 +54,12 @@ def replay_recording(
             show_default=False,
         ),
     ],
-    filter_: Annotated[
-        Filter, typer.Option("--filter", help="What the recording goes through.")
-    ] = Filter.alignment,
-    heading: Annotated[
-        float | None,
-        typer.Option(
-            help="Heading to start from [deg], clockwise from north; needed where the error model needs one.",
-            show_default=False,
-        ),
-    ] = None,
-    heading_sigma: Annotated[
-        float | None, typer.Option(help="Sigma of that heading [deg].", show_default="10")
-    ] = None,
-    start: Annotated[
-        Where,
-        typer.Option(
-            help="Start at the first sample, or at the first fix that is fast, on its course over ground."
-        ),
-    ] = Where.first,
-    course_speed: Annotated[
-        float, typer.Option(help="Speed from which the course is taken for the heading [m/s].")
-    ] = 3.0,
-    levelling: Annotated[
-        float,
-        typer.Option(
-            help="Seconds before the start, or the first ones, whose mean force gives roll and pitch."
-        ),
-    ] = 1.0,
+    filter_: Through = Filter.alignment,
+    heading: Heading = None,
+    heading_sigma: HeadingSigma = None,
+    start: StartsAt = Where.first,
+    course_speed: CourseSpeed = COURSE_SPEED,
+    levelling: Levelling = LEVELLING,
     zero_velocity: Annotated[
         bool, typer.Option("--zero-velocity", help="The vehicle stands still: aid with fixes of velocity 0.")
     ] = False,
@@ -160,16 +140,11 @@ def replay_recording(
     """
     with refusing_bad_input():
         results = Results(output)
-        begin = Start(
-            None if heading is None else heading * DEGREE,
-            None if heading_sigma is None else heading_sigma * DEGREE,
-            levelling,
-            _position(position) if position or zero_velocity else None,
-            course_speed if start is Where.course else None,
-        )
-        aiding = ZeroVelocity(begin.position, sigma, rate) if zero_velocity and begin.position else None
+        place = _position(position) if position or zero_velocity else None
+        begun = begin(heading, heading_sigma, start, course_speed, levelling, place)
+        aiding = ZeroVelocity(place, sigma, rate) if zero_velocity and place else None
         conditions: dict[str, Any] = {
-            "start": begin,
+            "start": begun,
             "filter": filter_,
             "zero_velocity": aiding,
             "outages": None if outages_ is None else Outages(outages_, every),

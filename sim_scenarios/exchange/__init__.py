@@ -1,6 +1,6 @@
 """What a partner needs to run a scenario in another tool: FMUs, system descriptions, reference results.
 
-`export` writes one folder::
+`export` writes one folder, and `export_recording` the same of a recording, which the Playback FMU holds::
 
     README.md                 what is here and how to use it
     fmi2/*.fmu fmi3/*.fmu     the FMUs, with the scenario's values as start values, and with the reference
@@ -22,7 +22,7 @@ Each FMU has provenance, bill of materials and its own list of checksums, below 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -32,14 +32,20 @@ from sim_scenarios.catalogue import is_own_fmu
 from sim_scenarios.errors import InputError
 from sim_scenarios.exchange import checksums, documents, evidence, reference, replay, start_values
 from sim_scenarios.exchange.forms import FMI2, FORMS, Form
+from sim_scenarios.exchange.recorded import of_recording
 from sim_scenarios.exchange.system import Component, System, of_scenario
-from sim_scenarios.fmus import Fmus
+from sim_scenarios.fmus import PLAYBACK, Fmus
 from sim_scenarios.folders import filled, temporary
+from sim_scenarios.recordings.description import load
+from sim_scenarios.recordings.replay import SETTLING, Filter
+from sim_scenarios.recordings.replay import replay as replay_recording
+from sim_scenarios.recordings.start import Start
+from sim_scenarios.recordings.tables import Recording
 from sim_scenarios.scenario import FILTER, Scenario, load_scenario
 from sim_scenarios.simulation import run_filters
 from sim_scenarios.stepping import Order
 
-__all__ = ["Component", "System", "export"]
+__all__ = ["Component", "System", "export", "export_recording"]
 
 SKELETONS = "skeleton"
 """Folder of the beginnings of input files, for signals of one's own."""
@@ -78,9 +84,67 @@ def export(
     if is_own_fmu(loaded.filter_fmu):
         raise InputError(f"{scenario}: {loaded.filter_fmu} is not exported, but filters of TrueNorth alone")
     system = of_scenario(loaded, fmus)
-    results = reference.simulate(loaded, fmus, system)
+    _write(system, folder, {"seed": seed, **(set or {})}, lambda: _report(loaded, fmus))
+    return system
+
+
+def export_recording(
+    recording: Recording | str | Path,
+    folder: Path,
+    start: Start | None = None,
+    *,
+    filter: Filter | str = Filter.alignment,  # noqa: A002  (the word of the command line)
+    set: Mapping[str, object] | None = None,  # noqa: A002
+    step: float | None = None,
+    fmus: Fmus | None = None,
+) -> System:
+    """Write a recording with what it goes through for partners.
+
+    Parameters
+    ----------
+    recording, start, filter, fmus
+        As for `replay`.
+    folder : Path
+        Where to; files of the same names are replaced.
+    set : mapping, optional
+        As for `replay`; besides, parameters of Playback.
+    step : float, optional
+        Communication step [s]; by default one in which no two samples come.
+
+    Returns
+    -------
+    System
+        What was written.
+
+    Raises
+    ------
+    InputError
+        When the recording lacks what is needed, or a setting is wrong.
+    """
+    task, start, fmus, set = Filter(filter), start or Start(), fmus or Fmus(), set or {}  # noqa: A001
+    if not isinstance(recording, Recording):
+        recording = load(Path(recording))
+    of_filters = {name: value for name, value in set.items() if not fmus[PLAYBACK].has_parameter(name)}
+
+    with TemporaryDirectory(dir=temporary()) as place:
+        system = of_recording(recording, start, Path(place), task=task, settings=set, fmus=fmus, step=step)
+
+        def page() -> bytes:
+            judged = min(SETTLING, system.stop / 2)
+            run = replay_recording(
+                recording, start, filter=task, evaluate_after=judged, set=of_filters, fmus=fmus
+            )
+            return report.report_replay(run, Path(place) / "report").read_bytes()
+
+        _write(system, folder, dict(set), page)
+    return system
+
+
+def _write(system: System, folder: Path, settings: Mapping[str, object], page: Callable[[], bytes]) -> None:
+    """The folder of a system; `page` makes its report."""
+    results = reference.simulate(system)
     about: dict[str, str | bytes] = {
-        "provenance.json": evidence.provenance(system, {"seed": seed, **(set or {})}),
+        "provenance.json": evidence.provenance(system, settings),
         "sbom.cdx.json": evidence.bill_of_materials(system),
     }
     with filled(folder) as draft:
@@ -90,12 +154,11 @@ def export(
         for name, content in {
             "OspSystemStructure.xml": documents.osp(system),
             "README.md": documents.readme(system, results),
-            "report.html": _report(loaded, fmus),
+            "report.html": page(),
             **about,
         }.items():
             written.add(name, content)
         written.add(checksums.NAME, checksums.listed(written.files))
-    return system
 
 
 def _report(scenario: Scenario, fmus: Fmus) -> bytes:

@@ -54,17 +54,19 @@ def experiment_file(system: System, name: str) -> str:
 def options(system: System) -> str:
     """Options of the FMI cross-check."""
     return (
-        f"StartTime,0.0\nStopTime,{system.stop}\nStepSize,{system.step}\nRelTol,0.0\nAbsTol,0.0\n"
+        f"StartTime,0.0\nStopTime,{system.checked}\nStepSize,{system.step}\nRelTol,0.0\nAbsTol,0.0\n"
         f"SolverName,FixedStep\nOutputIntervalLength,{OUTPUT_INTERVAL}\n"
     )
 
 
 def readme(system: System, results: Mapping[str, Results]) -> str:
-    """README for the partner, with the last row of the results."""
+    """README for the partner, with the last row of the results, and of a recording where it begins."""
     estimates = results[system.filter.name].outputs
     final = {name: float(estimates[name][-1]) for name in FINAL}
+    told = results[system.plant.name].outputs
+    begin = float(told["recording.time"][0]) if system.recorded else None
     platforms = sorted(set.intersection(*(_platforms(component) for component in system.components)))
-    return _render("README.md", system=system, final=final, platforms=platforms)
+    return _render("README.md", system=system, begin=begin, final=final, platforms=platforms)
 
 
 def _platforms(component: Component) -> set[str]:

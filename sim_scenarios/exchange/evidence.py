@@ -41,7 +41,7 @@ def provenance(system: System, settings: Mapping[str, object]) -> str:
             "product": "TrueNorth",
             "version": product_version(),
             "commit": _commit(),
-            "scenario": system.name,
+            "recording" if system.recorded else "scenario": system.name,
             "settings": dict(settings),
             "communication_step": system.step,
             "stop_time": system.stop,

@@ -7,7 +7,7 @@ tools do.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -15,14 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim_scenarios.cosimulation import Table
+from sim_scenarios.cosimulation import AlignmentSource, FmuSource, Sink, Source, Table
 from sim_scenarios.exchange.forms import Entry
 from sim_scenarios.exchange.start_values import text
-from sim_scenarios.exchange.system import System
-from sim_scenarios.fmus import Fmus
-from sim_scenarios.instance import Port
-from sim_scenarios.scenario import Scenario
-from sim_scenarios.simulation import connect
+from sim_scenarios.exchange.system import Component, System
+from sim_scenarios.instance import Instance, Port
 from sim_scenarios.stepping import Order
 
 Columns = Mapping[str, NDArray[Any]]
@@ -50,20 +47,19 @@ class Results:
     state: bytes
 
 
-def simulate(scenario: Scenario, fmus: Fmus, system: System) -> dict[str, Results]:
+def simulate(system: System) -> dict[str, Results]:
     """Run a system; the results of its components by their names.
 
     The FMUs are not told when the experiment ends, so that an importer may go on from their last states.
     """
-    scenario = scenario.model_copy(update={"duration": ENDLESS})
-    times = system.step * np.arange(round(system.stop / system.step) + 1)
+    times = system.step * np.arange(round(system.checked / system.step) + 1)
     every = max(1, round(OUTPUT_INTERVAL / system.step))
     rows = (len(times) - 1) // every + 1
     with ExitStack() as stack:
-        source, (sink,) = connect(scenario, fmus, {system.filter.name: scenario.filter}, stack, Order.jacobi)
-        parts = (source.instance, source.alignment, sink.instance)
-        instances = [instance for instance in parts if instance is not None]
-        by_name = dict(zip((c.name for c in system.components), instances, strict=True))
+        by_name = {
+            c.name: stack.enter_context(closing(Instance(c.fmu, c.name, c.values))) for c in system.components
+        }
+        source, sink = _connected(system, by_name)
         signals = [
             Table(Port(by_name[c.start], list(c.outputs.values())), len(times)) for c in system.connections
         ]
@@ -89,6 +85,23 @@ def simulate(scenario: Scenario, fmus: Fmus, system: System) -> dict[str, Result
         name: Results({"time": times, **inputs[name]} if inputs[name] else {}, shown[name], states[name])
         for name in shown
     }
+
+
+def _connected(system: System, instances: Mapping[str, Instance]) -> tuple[Source, Sink]:
+    """Instances of a system, initialised and connected: what makes the signals, and the filter."""
+
+    def begun(component: Component, source: Source) -> Sink:
+        return Sink.initialised(instances[component.name], source, 0.0, ENDLESS)
+
+    plant, fed = instances[system.plant.name], system.alignment or system.filter
+    plant.begin_initialisation(0.0, ENDLESS)
+    plant.finish_initialisation()
+    (signals,) = (c.outputs for c in system.connections if (c.start, c.end) == (system.plant.name, fed.name))
+    source = FmuSource(plant, list(signals.values()))
+    if system.alignment is None:
+        return source, begun(system.filter, source)
+    aligned = AlignmentSource(source, begun(fed, source), system.filter.fmu, Order.jacobi)
+    return aligned, begun(system.filter, aligned)
 
 
 def csv(columns: Columns, entries: Sequence[Entry]) -> str:

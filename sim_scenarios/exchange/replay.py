@@ -72,14 +72,22 @@ def difference(archive: Path, given: Experiment) -> float:
             if row < len(instants) and abs(time - instants[row]) < given.step / 2:
                 for name, value in slave.outputs().items():
                     reference = given.outputs[name]
-                    scale = max(float(np.abs(reference).max()), ATOM)
-                    worst = max(worst, *(np.abs(value - reference[row]) / scale).tolist(), 0.0)
+                    worst = max(worst, _apart(value, reference, row))
                 row += 1
             if index * given.step < given.stop - given.step / 2:
                 slave.step(index, time, given.step)
-    if row < len(instants) or math.isnan(worst):
+    if row < len(instants):
         return math.inf
     return worst
+
+
+def _apart(value: Array, reference: Array, row: int) -> float:
+    """Largest difference of a value from a row: none where both are no number, infinite where one is."""
+    finite = reference[np.isfinite(reference)]
+    scale = max(float(np.abs(finite).max(initial=0.0)), ATOM)
+    off = np.abs(value - reference[row]) / scale
+    off[np.isnan(value) & np.isnan(reference[row])] = 0.0
+    return float(np.max(np.nan_to_num(off, nan=np.inf), initial=0.0))
 
 
 class _Slave:

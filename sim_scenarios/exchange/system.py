@@ -1,13 +1,13 @@
-"""A scenario as a system of FMUs with all that is set in them, ready to be written down."""
+"""A scenario or a recording as a system of FMUs with all that is set in them, ready to be written down."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 
 from sim_scenarios.cosimulation import connected, handed_over
-from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number
+from sim_scenarios.fmus import ALIGNMENT_FILTER, PLAYBACK, Fmu, Fmus, Number
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.simulation import TRUTH, filter_values, initial_values, start_plant
 
@@ -77,10 +77,13 @@ class System:
     Attributes
     ----------
     name, description : str
-        Of the scenario.
+        Of the scenario or the recording.
     stop, step : float
         End and communication step [s].
+    checked : float
+        End of the reference results [s].
     plant, filter : Component
+        Where the signals come from, and what they go into.
     alignment : Component or None
     connections : list of Connection
     """
@@ -89,10 +92,16 @@ class System:
     description: str
     stop: float
     step: float
+    checked: float
     plant: Component
     filter: Component
     alignment: Component | None
     connections: list[Connection]
+
+    @property
+    def recorded(self) -> bool:
+        """Whether the signals are those of a recording."""
+        return self.plant.fmu.name == PLAYBACK
 
     @property
     def components(self) -> list[Component]:
@@ -111,42 +120,70 @@ def of_scenario(scenario: Scenario, fmus: Fmus) -> System:
     with ExitStack() as stack:
         truth = start_plant(scenario, fmus, stack).read(TRUTH)
     start = initial_values(scenario, plant, dict(zip(TRUTH, truth, strict=True)))
-    signals = connected(plant.outputs(), filter_fmu)
-    connections = [Connection(PLANT, FILTER, {name: name for name in signals})]
-    alignment, handed = None, {}
+    parts, values = {PLANT: plant, FILTER: filter_fmu}, {PLANT: scenario.plant, FILTER: scenario.filter}
     if scenario.alignment is None:
-        given = filter_values(filter_fmu, start, scenario.filter)
+        values[FILTER] = filter_values(filter_fmu, start, scenario.filter)
     else:
-        fmu = fmus[ALIGNMENT_FILTER]
-        sensed, handed = connected(plant.outputs(), fmu), handed_over(fmu, filter_fmu)
+        parts[ALIGNMENT] = fmus[ALIGNMENT_FILTER]
+        values[ALIGNMENT] = filter_values(parts[ALIGNMENT], start, scenario.alignment)
+    plan = Plan(
+        scenario.name, scenario.description, scenario.duration, scenario.communication_step, scenario.duration
+    )
+    return connected_system(plan, parts, values, shown(plant))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a system is called and for how long it runs; as in a System."""
+
+    name: str
+    description: str
+    stop: float
+    step: float
+    checked: float
+
+
+def connected_system(
+    plan: Plan, parts: Mapping[str, Fmu], values: Mapping[str, Mapping[str, Number]], told: Sequence[str]
+) -> System:
+    """Source of signals, filter and perhaps an alignment before it, connected.
+
+    Parameters
+    ----------
+    plan : Plan
+        What the system is called and for how long it runs.
+    parts : mapping of str to Fmu
+        The FMUs by the names of their components; `alignment` may be missing.
+    values : mapping of str to mapping
+        What is set in each of them, by scalar name.
+    told : sequence of str
+        Outputs of the source that are offered beside those that are connected.
+
+    Returns
+    -------
+    System
+    """
+    source, filter_fmu = parts[PLANT], parts[FILTER]
+    signals = connected(source.outputs(), filter_fmu)
+    connections = [Connection(PLANT, FILTER, {name: name for name in signals})]
+    alignment, handed, given = None, {}, values[FILTER]
+    if ALIGNMENT in parts:
+        fmu = parts[ALIGNMENT]
+        sensed, handed = connected(source.outputs(), fmu), handed_over(fmu, filter_fmu)
         connections.insert(0, Connection(PLANT, ALIGNMENT, {name: name for name in sensed}))
         connections.append(Connection(ALIGNMENT, FILTER, handed))
-        alignment = Component(
-            ALIGNMENT,
-            fmu,
-            filter_values(fmu, start, scenario.alignment),
-            sensed,
-            list(dict.fromkeys([*handed.values(), *_shown(fmu)])),
-        )
-        given = {"initial.valid": False, **scenario.filter}
+        offered = list(dict.fromkeys([*handed.values(), *shown(fmu)]))
+        alignment = Component(ALIGNMENT, fmu, values[ALIGNMENT], sensed, offered)
+        given = {"initial.valid": False, **given}
     return System(
-        name=scenario.name,
-        description=scenario.description,
-        stop=scenario.duration,
-        step=scenario.communication_step,
-        plant=Component(PLANT, plant, scenario.plant, [], [*signals, *_shown(plant)]),
-        filter=Component(
-            FILTER,
-            filter_fmu,
-            given,
-            [*signals, *handed],
-            _shown(filter_fmu),
-        ),
+        **vars(plan),
+        plant=Component(PLANT, source, values[PLANT], [], [*signals, *told]),
+        filter=Component(FILTER, filter_fmu, given, [*signals, *handed], shown(filter_fmu)),
         alignment=alignment,
         connections=connections,
     )
 
 
-def _shown(fmu: Fmu) -> list[str]:
+def shown(fmu: Fmu) -> list[str]:
     """Outputs of general interest; none is an enumeration, which some tools do not know."""
     return [n for n in fmu.outputs() if n.startswith(SHOWN) and fmu.variables[n].kind != "Enumeration"]

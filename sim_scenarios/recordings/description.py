@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from sim_scenarios import toml
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings import axes, checks, clocks, fixes, stamps
 from sim_scenarios.recordings.order import in_order
@@ -58,6 +59,11 @@ class _Read:
 
     def place(self, row: int) -> str:
         return f"{self.path}: {self.contents.place(TABLES[self.name][0], row)}"
+
+
+def is_recording(path: Path) -> bool:
+    """Whether a file is one for `load`: the description of a recording, or no TOML at all."""
+    return path.is_file() and (path.suffix != ".toml" or "imu" in toml.read(path))
 
 
 def load(path: Path) -> Recording:

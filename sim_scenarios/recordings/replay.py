@@ -126,8 +126,8 @@ def replay(
         told, on_reference = references.of_file(Path(reference), recording)
         recording = changed(recording, reference=told, remarks=(*recording.remarks, *on_reference))
     begun = beginning(recording, start)
-    parts = _parts(task, fmus)
-    values, without_coarse_stage = _values(parts, recording, begun, set or {})
+    parts = parts_of(task, fmus)
+    values, without_coarse_stage = values_of(parts, recording, begun, set or {})
     fed = feed(recording, begun.time)
     windows = outages.windows(begun.time, float(fed.time[-1])) if outages else np.empty((0, 2))
     if recording.gnss is not None and len(windows):
@@ -162,7 +162,7 @@ def replay(
     return data
 
 
-def _parts(task: Filter, fmus: Fmus) -> dict[str, Fmu]:
+def parts_of(task: Filter, fmus: Fmus) -> dict[str, Fmu]:
     """The FMUs by their part: `filter`, and perhaps the `alignment` before it."""
     if task is Filter.alignment:
         return {"filter": fmus[ALIGNMENT_FILTER]}
@@ -170,10 +170,16 @@ def _parts(task: Filter, fmus: Fmus) -> dict[str, Fmu]:
     return navigation if task is Filter.navigation else {"alignment": fmus[ALIGNMENT_FILTER], **navigation}
 
 
-def _values(
+def values_of(
     parts: Mapping[str, Fmu], recording: Recording, begun: Beginning, settings: Mapping[str, object]
 ) -> tuple[Values, str]:
-    """Parameters of the filters: what the recording tells, then the user's settings; and a remark or none."""
+    """Parameters of the filters: what the recording tells, then the user's settings; and a remark or none.
+
+    Raises
+    ------
+    InputError
+        When a setting is of none of them, or the recording lacks what a model needs.
+    """
     told: Values = {part: {} for part in parts}
     for name, value in settings.items():
         owners, parameter = _owners(name, parts)

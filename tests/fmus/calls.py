@@ -125,7 +125,7 @@ class Fmu:
             name,
             kind,
             self.guid.encode() if guid is None else guid,
-            None,
+            (self.folder / "resources").as_uri().encode(),
             None if callbacks is None else byref(callbacks),
             0,
             int(logging),

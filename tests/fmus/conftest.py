@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from archives import ARCHIVES, FMUS, SAMPLES, STEP
+from archives import ARCHIVES, FMUS, SAMPLES, STEP, give_recording
 from calls import OK, Fmu, Instance, Number
 
 
@@ -23,8 +23,10 @@ def archive(request: pytest.FixtureRequest) -> Path:
 
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fmu]:
-    """Every FMU, loaded."""
-    return {path.stem: Fmu.load(path, tmp_path_factory.mktemp(path.stem)) for path in ARCHIVES}
+    """Every FMU, loaded; Playback has a recording of what the plant puts out."""
+    loaded = {path.stem: Fmu.load(path, tmp_path_factory.mktemp(path.stem)) for path in ARCHIVES}
+    give_recording(loaded["Playback"].folder, put_out_by(loaded["TruthPlant"]))
+    return loaded
 
 
 @pytest.fixture(scope="session")
@@ -43,10 +45,15 @@ def instance(fmu: Fmu) -> Iterator[Instance]:
 @pytest.fixture(scope="session")
 def signals(fmus: dict[str, Fmu]) -> list[dict[str, Number]]:
     """Outputs of the plant after each of SAMPLES steps; filters' inputs have the same names."""
-    with fmus["TruthPlant"].instance() as plant:
-        plant.start()
+    return put_out_by(fmus["TruthPlant"])
+
+
+def put_out_by(plant: Fmu) -> list[dict[str, Number]]:
+    """Outputs of a plant after each of SAMPLES steps."""
+    with plant.instance() as instance:
+        instance.start()
         samples = []
         for index in range(SAMPLES):
-            assert plant.step(index * STEP, STEP) == OK, plant.journal.last
-            samples.append(plant.read())
+            assert instance.step(index * STEP, STEP) == OK, instance.journal.last
+            samples.append(instance.read())
         return samples

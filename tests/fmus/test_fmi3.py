@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import re
+import shutil
 import subprocess
 import zipfile
 from ctypes import byref, c_double, c_int64, c_size_t, c_uint, c_void_p
@@ -25,8 +26,11 @@ ERROR3 = 3
 
 @pytest.fixture(scope="session")
 def fmu3(fmu: Fmu, tmp_path_factory: pytest.TempPathFactory) -> Fmu3:
-    """The FMI 3 FMU of the same component."""
-    return Fmu3.load(FMUS / "fmi3" / fmu.archive.name, tmp_path_factory.mktemp(fmu.name))
+    """The FMI 3 FMU of the same component, with the same resources."""
+    folder = tmp_path_factory.mktemp(fmu.name)
+    if (fmu.folder / "resources").exists():
+        shutil.copytree(fmu.folder / "resources", folder / "resources")
+    return Fmu3.load(FMUS / "fmi3" / fmu.archive.name, folder)
 
 
 def bits(values: dict[str, Number]) -> dict[str, bytes]:

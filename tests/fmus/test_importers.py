@@ -21,16 +21,21 @@ import fmpy
 import importer_table
 import numpy as np
 import pytest
-from archives import FMUS
+from archives import FMUS, plain_csv
+from calls import Number
 from fmpy.ssp.simulation import simulate_ssp
 from numpy.typing import NDArray
 from typer.testing import CliRunner
 
+from sim_scenarios import Start
 from sim_scenarios.cli.application import app
 from sim_scenarios.exchange import STEP
 from sim_scenarios.exchange.forms import FMI2, FMI3, Form
+from sim_scenarios.exchange.recorded import of_recording
 from sim_scenarios.exchange.system import System, of_scenario
 from sim_scenarios.fmus import Fmu, Fmus
+from sim_scenarios.recordings import load as load_recording
+from sim_scenarios.recordings.replay import Filter
 from sim_scenarios.scenario import load_scenario
 
 
@@ -39,11 +44,13 @@ def test_the_page_is_made_of_what_was_measured() -> None:
     assert importer_table.PAGE.read_text(encoding="utf-8") == importer_table.page()
     assert importer_table.load()
     for cell in importer_table.load():
-        assert cell["scenario"] in SCENARIOS
+        assert cell["scenario"] in (*SCENARIOS, RECORDING)
         assert cell["outcome"] in LIMITS_OF_FMPY.values() or float(cell["outcome"]) <= TOLERANCE
 
 
 SCENARIOS = ("swaying_ship", "align_then_navigate", "flight_loose_tight")
+RECORDING = "recorded_ship"
+"""20 s of the plant's signals in a CSV file."""
 TOLERANCE = 1e-9
 ATOM = 1e-6
 """Largest value up to which an output counts as zero but for rounding, in SI units."""
@@ -69,15 +76,25 @@ class Exported:
         return self.folder / f"{self.scenario}.ssp"
 
 
-@pytest.fixture(scope="session", params=SCENARIOS)
-def exported(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Exported:
+@pytest.fixture(scope="session", params=[*SCENARIOS, RECORDING])
+def exported(
+    request: pytest.FixtureRequest,
+    tmp_path_factory: pytest.TempPathFactory,
+    signals: list[dict[str, Number]],
+) -> Exported:
     """What a partner gets."""
     folder, scenario = tmp_path_factory.mktemp("partner"), request.param
     fmus = Fmus({path.stem: Fmu(path) for path in FMUS.glob("*.fmu")})
+    file = plain_csv(signals, tmp_path_factory.mktemp("recording") / f"{RECORDING}.csv")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TRUENORTH_FMUS", str(FMUS))
-        result = CliRunner().invoke(app, ["export", scenario, "--output", str(folder)])
+        what = str(file) if scenario == RECORDING else scenario
+        result = CliRunner().invoke(app, ["export", what, "--output", str(folder)])
     assert result.exit_code == 0, result.output
+    if scenario == RECORDING:
+        recording = load_recording(file)
+        options = {"task": Filter.alignment, "settings": {}, "fmus": fmus}
+        return Exported(scenario, folder, of_recording(recording, Start(), file.parent, **options))
     loaded = load_scenario(scenario, fmus, settings={"communication_step": STEP})
     return Exported(scenario, folder, of_scenario(loaded, fmus))
 

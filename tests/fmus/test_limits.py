@@ -70,6 +70,8 @@ def require_finite(instance: Instance, when: str) -> None:
 
 
 def absent(instance: Instance, output: str) -> bool:
+    if output.startswith("truth."):
+        return instance.fmu.name == "Playback"  # whose recording has no reference
     measured = MEASURED.get(output, "")
     return measured in instance.fmu.variables and not instance.get(measured)
 

@@ -183,7 +183,7 @@ def test_a_system_gives_the_results_of_linux(
         pytest.skip(f"{platform.emulator[0]} is not installed")
     loaded = load_scenario(scenario, fmus, settings={"communication_step": STEP})
     system = of_scenario(loaded, fmus)
-    expected = simulate(loaded, fmus, system)
+    expected = simulate(system)
     columns = iter(outputs_of(platform, system, programs, tmp_path).T)
     for component in system.components:
         tolerance = 1e-9 if component is system.plant else 1e-6

@@ -204,6 +204,20 @@ def test_bad_includes(tmp_path: Path, part: str, more: str, own: str, sentence: 
     assert sentence in refused(tmp_path, part, more, own)
 
 
+def test_of_another_component_the_outputs_alone(tmp_path: Path) -> None:
+    """With the enumerations that they have, and in the words of their own declaration or of this one."""
+    shade = variable(name='"shade"', causality='"output"', type='"Shade"', unit="", start="")
+    hue = SHADE.replace("Shade", "Hue")
+    path = including(tmp_path, SHADE + hue + variable() + shade + variable(name='"a.c"', causality='"input"'))
+    path.write_text(path.read_text().replace("include =", "outputs_of ="))
+    declaration = read(path)
+    assert [variable.name for variable in declaration.variable] == ["shade", "own"]
+    assert list(declaration.enumeration) == ["Shade", "Colour"]
+    path.write_text(path.read_text().replace("part.toml", "other.toml"))
+    with pytest.raises(DeclarationError, match=r"outputs_of: there is no file 'shared/other.toml'"):
+        read(path)
+
+
 def test_a_missing_include(tmp_path: Path) -> None:
     path = including(tmp_path, variable())
     path.write_text(path.read_text().replace("part.toml", "other.toml"))

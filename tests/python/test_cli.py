@@ -215,7 +215,7 @@ def test_quiet_and_verbose(tmp_path: Path) -> None:
 def test_parameters() -> None:
     """As the model description has them: in their display units, with arrays in one line."""
     found = json.loads(truenorth("parameters", "gyro", "--json").stdout)
-    assert set(found) == {"TruthPlant", "AlignmentFilter", "NavigationFilter"}
+    assert set(found) == {"TruthPlant", "Playback", "AlignmentFilter", "NavigationFilter"}
     sigma = next(one for one in found["TruthPlant"] if one["name"] == "imu.gyro.bias_sigma")
     assert (sigma["unit"], sigma["default"], sigma["elements"]) == ("deg/h", ["0.05"], 1)
     assert (sigma["units"][0], sigma["tunable"]) == ("rad/s", False)
@@ -243,7 +243,10 @@ def test_a_scenario_of_the_folder_needs_no_toml(tmp_path: Path, monkeypatch: pyt
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["parameters", "gyroscope"], "no parameter of TruthPlant, AlignmentFilter, NavigationFilter has"),
+        (
+            ["parameters", "gyroscope"],
+            "no parameter of TruthPlant, Playback, AlignmentFilter, NavigationFilter has",
+        ),
         (["parameters", "Plant", "gyro"], "there is no FMU 'Plant'; there are TruthPlant"),
         (["run", "swaying_shp"], "did you mean 'swaying_ship'"),
         (["run", "nowhere.toml"], "there is no scenario file nowhere.toml"),

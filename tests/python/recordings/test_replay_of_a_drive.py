@@ -13,10 +13,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from played import difference_from_replay, until
 
 import sim_scenarios
 from sim_scenarios import Outages, Start
-from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, Fmus, load
+from sim_scenarios.exchange import export_recording
+from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, PLAYBACK, Fmus, load
 from sim_scenarios.recordings import Recording, comparison, outages
 from sim_scenarios.recordings import load as load_recording
 from sim_scenarios.units import DEGREE
@@ -148,3 +150,14 @@ def test_it_finds_its_heading_from_standstill(
     time, off = comparison.heading_minus_course(run)
     sure = np.interp(time, run["time"].values, run["converged"].values.astype(float)) > 0.5
     assert not np.any(sure & (np.abs(off) > 10 * DEGREE))
+
+
+def test_it_is_put_out_by_playback_and_navigated_on_in_fmpy(drive: Recording, tmp_path: Path) -> None:
+    """A minute after it moves off; stamps 8 to 11 ms apart, so that a step of 5 ms never covers two."""
+    start = Start(course_above=3.0)
+    moved_off = until(drive, 100.0)
+    fmus = Fmus({name: load(name) for name in (PLAYBACK, NAVIGATION_FILTER)})
+    system = export_recording(moved_off, tmp_path, start, filter="navigation", set=ROAD, fmus=fmus)
+    assert system.step == 0.005
+    run = sim_scenarios.replay(moved_off, start, filter="navigation", set=ROAD, fmus=fmus)
+    assert difference_from_replay(system, tmp_path, run) <= 1e-9
