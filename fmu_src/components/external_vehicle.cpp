@@ -108,14 +108,15 @@ bool simultaneous(const KnownPoint& a, const KnownPoint& b) {
     return std::abs(a.time - b.time) <= kTimeTolerance;
 }
 
-bool same(const earth::Position& a, const earth::Position& b) {
-    return a.latitude == b.latitude && a.longitude == b.longitude && a.height == b.height;
+bool equal(const KnownPoint& a, const KnownPoint& b) {
+    return a.position.latitude == b.position.latitude && a.position.longitude == b.position.longitude &&
+           a.position.height == b.position.height && a.velocity == b.velocity &&
+           a.q_bn.coeffs() == b.q_bn.coeffs();
 }
 
-// It says that it moves, and stands to the bit where it stood: a state that is shown once more.
+// It says that it moves, and is to the bit as it was: a state that is shown once more.
 bool held(const KnownPoint& from, const KnownPoint& to) {
-    return same(from.position, to.position) && from.velocity == to.velocity &&
-           to.velocity.norm() * (to.time - from.time) > kVisible;
+    return equal(from, to) && to.velocity.norm() * (to.time - from.time) > kVisible;
 }
 
 }  // namespace
@@ -130,7 +131,9 @@ std::string ExternalVehicle::Flaw::sentence() const {
 }
 
 ExternalVehicle::Verdict ExternalVehicle::read(const State& state, double time, double end) {
-    if (latest_ && std::abs(time - latest_->time) <= kTimeTolerance) {
+    // The first state may be corrected as long as there is no other: by a master that tells it once more.
+    const bool again = latest_ && std::abs(time - latest_->time) <= kTimeTolerance;
+    if (again && (from_ || equal(*latest_, point_of(state, latest_->time)))) {
         return Verdict::stale;
     }
     const auto refused = [this](const Flaw& flaw) {
@@ -149,7 +152,7 @@ ExternalVehicle::Verdict ExternalVehicle::read(const State& state, double time, 
         return refused(*found);
     }
     const KnownPoint now = point_of(state, time);
-    if (!latest_) {
+    if (!latest_ || again) {
         begin(now);
         return Verdict::begun;
     }

@@ -2,7 +2,6 @@
 // and keeps what its motion is interpolated from.
 #pragma once
 
-#include <cereal/types/optional.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -58,7 +57,12 @@ class ExternalVehicle {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(before_, from_, latest_, doubted_);
+        for (auto* point : {&before_, &from_, &latest_, &doubted_}) {
+            bool there = point->has_value();
+            plant::KnownPoint kept = point->value_or(plant::KnownPoint());
+            archive(there, kept);
+            *point = there ? std::optional(kept) : std::nullopt;
+        }
     }
 
   private:

@@ -86,11 +86,13 @@ void TruthPlant::step(double time, double step) {
     state_.sequence.advance(time, step);
 
     const double begin = end_of(state_.due);
-    state_.due += static_cast<std::uint64_t>(periods);
+    const auto count = static_cast<std::uint64_t>(periods);
+    state_.due += count;
     plant::ImuOutput output;
-    const bool external = parameters.motion.kind == truth_plant::MotionKind::external;
     const std::uint64_t made =
-        external ? follow(models, begin, output) : travel(models, {.trajectory = models.trajectory}, output);
+        parameters.motion.kind == truth_plant::MotionKind::external
+            ? follow(models, begin, output)
+            : travel(models, {.trajectory = models.trajectory}, state_.samples + count, output);
     if (made == 0) {
         return;
     }
@@ -101,7 +103,8 @@ void TruthPlant::step(double time, double step) {
     }
 }
 
-std::uint64_t TruthPlant::travel(const Models& models, const Leg& leg, plant::ImuOutput& output) {
+std::uint64_t TruthPlant::travel(const Models& models, const Leg& leg, std::uint64_t last,
+                                 plant::ImuOutput& output) {
     // A vehicle that comes into view within an IMU period is not measured before the next one.
     const double first = std::min(end_of(state_.samples), leg.end);
     if (state_.trajectory.time < first) {
@@ -109,7 +112,7 @@ std::uint64_t TruthPlant::travel(const Models& models, const Leg& leg, plant::Im
         state_.begun = {};
     }
     const std::uint64_t before = state_.samples;
-    while (state_.samples < state_.due && end_of(state_.samples + 1) <= leg.end) {
+    while (state_.samples < last && end_of(state_.samples + 1) <= leg.end) {
         ++state_.samples;
         advance(leg, end_of(state_.samples));
         measure(models, output);
@@ -128,15 +131,17 @@ std::uint64_t TruthPlant::travel(const Models& models, const Leg& leg, plant::Im
 std::uint64_t TruthPlant::follow(const Models& models, double begin, plant::ImuOutput& output) {
     const ExternalVehicle& vehicle = state_.vehicle;
     using Verdict = ExternalVehicle::Verdict;
+    // IMU samples in a passage, whatever a damaged state says.
+    const auto longest =
+        static_cast<std::uint64_t>(ExternalVehicle::kLargestOffset * parameters.imu.rate) + 1;
     Verdict verdict = Verdict::stale;
     std::uint64_t made = 0;
     do {
         if (vehicle.known()) {
             const plant::Trajectory trajectory(vehicle.passage(), vehicle.from().position);
-            made +=
-                travel(models,
-                       {.trajectory = trajectory, .end = vehicle.to().time, .arrival = vehicle.to().position},
-                       output);
+            const Leg leg{
+                .trajectory = trajectory, .end = vehicle.to().time, .arrival = vehicle.to().position};
+            made += travel(models, leg, std::min(state_.due, state_.samples + longest), output);
             if (state_.trajectory.time < vehicle.to().time) {
                 return made;  // the vehicle is ahead of the master
             }

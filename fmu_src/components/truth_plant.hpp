@@ -106,9 +106,9 @@ class TruthPlant {
     [[nodiscard]] double end_of(std::uint64_t sample) const {
         return state_.start_time + static_cast<double>(sample) / parameters.imu.rate;
     }
-    // Makes the IMU samples that are due, on one leg or along the vehicle of somebody else, as far as the
+    // Makes the IMU samples to number `last`, on one leg or along the vehicle of somebody else, as far as the
     // motion is known; how many these were. A step begins at `begin` [s].
-    std::uint64_t travel(const Models& models, const Leg& leg, plant::ImuOutput& output);
+    std::uint64_t travel(const Models& models, const Leg& leg, std::uint64_t last, plant::ImuOutput& output);
     std::uint64_t follow(const Models& models, double begin, plant::ImuOutput& output);
     void advance(const Leg& leg, double to);
     // Looks at the vehicle of somebody else; without a stamp its state is that at `begin` [s].

@@ -143,24 +143,37 @@ TEST_F(ExternalMotion, WithoutAStampItMeasuresTheSameOneStepLater) {
     }
 }
 
-// A vehicle at 10 Hz, an IMU at 100 Hz, both stepped at 10 Hz: the accuracy that docs/fmus.md states.
-TEST_F(ExternalMotion, InterpolatesTheShipInWavesAtTenHertz) {
+// A row of the table in docs/fmus.md: states and steps this many IMU periods apart, and by how much the
+// increments of a step may be off; of the first one, which goes straight on where no rates are told.
+struct Row {
+    int periods;
+    bool with_rates;
+    double angle, velocity, first_angle, first_velocity;
+};
+
+class InterpolatesTheShipInWaves : public ExternalMotion, public testing::WithParamInterface<Row> {};
+
+TEST_P(InterpolatesTheShipInWaves, WithinWhatThePageSays) {
+    const auto& [periods, with_rates, angle, velocity, first_angle, first_velocity] = GetParam();
     make_perfect(source_.parameters);
     source_.parameters.motion.wave.velocity.setConstant(0.5);
-    for (const bool with_rates : {true, false}) {
-        with_rates_ = with_rates;
-        now_ = 0;
-        start();
-        step_after(10);
-        ASSERT_NO_FATAL_FAILURE(expect_same(source_.outputs, 1e-6, 5e-5));  // straight on, without rates
-        while (now_ < 60 * 100) {
-            step_after(10);
-            ASSERT_NO_FATAL_FAILURE(
-                expect_same(source_.outputs, with_rates ? 1e-9 : 1e-7, with_rates ? 1e-8 : 5e-6))
-                << now_;
-        }
+    with_rates_ = with_rates;
+    start();
+    step_after(periods);
+    ASSERT_NO_FATAL_FAILURE(expect_same(source_.outputs, first_angle, first_velocity));
+    while (now_ < 60 * 100) {
+        step_after(periods);
+        ASSERT_NO_FATAL_FAILURE(expect_same(source_.outputs, angle, velocity)) << now_;
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    Rows, InterpolatesTheShipInWaves,
+    testing::Values(Row{1, true, 1e-14, 1e-12, 1e-14, 1e-12},  // rounding
+                    Row{1, false, 4e-12, 4e-10, 9e-10, 4e-8}, Row{10, true, 3e-10, 1e-8, 3e-10, 1e-8},
+                    Row{10, false, 4e-8, 4e-6, 9e-7, 4e-5}, Row{50, true, 7e-7, 4e-5, 7e-7, 4e-5},
+                    Row{50, false, 2e-5, 2e-3, 2e-4, 6e-3}, Row{100, true, 3e-5, 1e-3, 3e-5, 1e-3},
+                    Row{100, false, 4e-4, 0.03, 8e-4, 0.05}));
 
 // The plant at 100 Hz, the vehicle at 10 Hz: stepped first, it is ahead and the plant makes its samples in
 // time; stepped later, or without stamps, its states come late and the samples of a period come together.
@@ -431,6 +444,20 @@ TEST_F(ExternalMotion, AVehicleThatIsPutElsewhereGoesOnFromThere) {
     EXPECT_EQ(plant_.outputs.imu.time, 1.02);
     EXPECT_EQ(plant_.outputs.imu.sample, 102);
     EXPECT_LT((plant_.outputs.imu.delta_angle - source_.outputs.imu.delta_angle).norm(), 1e-9);
+}
+
+TEST_F(ExternalMotion, TheFirstStateMayBeCorrectedBeforeTheVehicleMoves) {
+    make_perfect(source_.parameters);
+    start();
+    plant_.inputs.external.position[0] += 0.01;
+    plant_.inputs.external.attitude[2] = 1.0;
+    plant_.initialise(0.0);
+    for (int k = 0; k < 10; ++k) {
+        step_beside(1);
+    }
+    EXPECT_EQ(plant_.outputs.external.rejected, 0);
+    EXPECT_EQ(plant_.outputs.imu.sample, 9);
+    EXPECT_LT(plant_.outputs.imu.delta_angle.norm(), 0.01);
 }
 
 TEST_F(ExternalMotion, InputsAreLookedAtInWholeStepsAlone) {
