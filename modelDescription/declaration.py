@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from itertools import groupby
+from math import isnan
 from typing import Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -135,6 +136,11 @@ class Variable(_Strict):
         return self
 
     @property
+    def optional(self) -> bool:
+        """Whether it starts as NaN: an input that need not be given, and has no limits."""
+        return self.causality == "input" and isinstance(self.start, float) and isnan(self.start)
+
+    @property
     def path(self) -> list[str]:
         """The dotted name in its parts."""
         return self.name.split(".")
@@ -171,7 +177,7 @@ class Variable(_Strict):
     @property
     def _limit_of_units(self) -> float | None:
         """Size that a Real which the component reads once and believes may have, by its units."""
-        believed = self.causality in ("parameter", "tunable") or self.at_start
+        believed = self.causality in ("parameter", "tunable") or (self.at_start and not self.optional)
         return min(UNITS[unit].most for unit in self.units) if self.type == "Real" and believed else None
 
     @property

@@ -21,6 +21,8 @@ class Fmi2:
             return str(self._declaration.enumeration[variable.type].value(str(value)))
         if variable.type == "Boolean":
             return "true" if value else "false"
+        if variable.optional:
+            return "NaN"
         return repr(float(value)) if variable.type == "Real" else str(value)
 
     @property

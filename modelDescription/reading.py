@@ -182,7 +182,7 @@ def _start_problems(variable: Variable, declaration: Declaration) -> Iterator[st
                 yield f"'{value}' must be true or false"
         elif isinstance(value, (bool, str)) or (variable.type == "Integer" and not isinstance(value, int)):
             yield f"'{value}' must be a number, of type {variable.type}"
-        elif not math.isfinite(value):
+        elif not math.isfinite(value) and not variable.optional:
             yield f"{value} must be a finite number"
         elif variable.type == "Integer" and abs(value) > INT32:
             yield f"{value} must fit into 32 bits"

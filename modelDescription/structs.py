@@ -67,7 +67,7 @@ class Cpp:
     def literal(self, variable: Variable, value: Value) -> str:
         """Write a start value; doubles so that they read back to the same bits."""
         if variable.type == "Real":
-            return repr(float(value))
+            return "std::numeric_limits<double>::quiet_NaN()" if variable.optional else repr(float(value))
         if variable.type == "Boolean":
             return "true" if value else "false"
         return str(value) if variable.type == "Integer" else f"{variable.type}::{value}"

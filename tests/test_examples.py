@@ -50,11 +50,19 @@ def aligns_within_its_sigma(said: str) -> None:
     assert abs(error) < 4 * sigma
 
 
+def aligns_on_the_ship_it_was_told(said: str) -> None:
+    refused, off = map(float, re.search(r"refused (\d+) states and ends ([-+.e\d]+) m from", said).groups())
+    assert refused == 0
+    assert off < 1e-6
+    aligns_within_its_sigma(said)
+
+
 FINDS: dict[str, Callable[[str], None]] = {
     "first_alignment": aligns,
     "compare_filters": shows_what_the_gate_is_worth,
     "own_imu": finds_the_heading_that_was_made,
     "small_campaign": tells_intervals,
+    "own_vehicle": aligns_on_the_ship_it_was_told,
     "fmpy_alone": aligns_within_its_sigma,
 }
 

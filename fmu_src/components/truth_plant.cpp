@@ -1,9 +1,11 @@
 #include "components/truth_plant.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "components/text.hpp"
 #include "components/truth_plant_rules.hpp"
@@ -29,9 +31,12 @@ void TruthPlant::initialise(double start_time) {
         .initialised = true,
         .start_time = start_time,
         .samples = 0,
+        .due = 0,
         .steps = 0,
         .sequence = StepSequence(start_time),
         .trajectory = models.trajectory.begin(start_time),
+        .begun = {},
+        .vehicle = {},
         .gyro = models.gyro.begin(),
         .accelerometer = models.accelerometer.begin(),
         .clock = {.bias = parameters.gnss.clock.bias, .drift = parameters.gnss.clock.drift},
@@ -40,10 +45,14 @@ void TruthPlant::initialise(double start_time) {
         .imu_fault = {},
         .before_gnss_fault = {},
         .told_losses = {},
+        .told_refusals = {},
     };
     outputs = {};
+    if (parameters.motion.kind == truth_plant::MotionKind::external) {
+        look(start_time);  // a vehicle that is not there yet may come with the first step
+    }
     outputs.imu.time = models.imu_fault.clock(start_time);
-    state_.before_gnss_fault = antenna(models);
+    state_.before_gnss_fault = antenna();
     put_out(models, state_.before_gnss_fault);
     put_out_truth(models);
 }
@@ -60,6 +69,9 @@ void TruthPlant::step(double time, double step) {
     }
     const Models& models = *models_;
     const double rate = parameters.imu.rate;
+    if (step == 0.0) {
+        return;
+    }
     const double periods = std::round(step * rate);
     const bool whole = periods >= 1.0 && std::abs(step * rate - periods) <= truth_plant::kWhole;
     if (!whole) {
@@ -73,29 +85,129 @@ void TruthPlant::step(double time, double step) {
     }
     state_.sequence.advance(time, step);
 
-    plant::ImuOutput output{.count = ++state_.steps};
-    for (auto left = static_cast<std::uint64_t>(periods); left > 0; --left) {
-        sample(models, output);
-        receive(models);
-        aid(models);
+    const double begin = end_of(state_.due);
+    const auto count = static_cast<std::uint64_t>(periods);
+    state_.due += count;
+    plant::ImuOutput output;
+    const std::uint64_t made =
+        parameters.motion.kind == truth_plant::MotionKind::external
+            ? follow(models, begin, output)
+            : travel(models, {.trajectory = models.trajectory}, state_.samples + count, output);
+    if (made == 0) {
+        return;
     }
-    output.time = state_.trajectory.time;
+    output.count = ++state_.steps;
+    output.time = end_of(state_.samples);
     if (const auto put = models.imu_fault.put_out(state_.imu_fault, output)) {
         put_out(*put);
     }
-    put_out_truth(models);
 }
 
-void TruthPlant::sample(const Models& models, plant::ImuOutput& output) {
-    ++state_.samples;
-    const double time = state_.start_time + static_cast<double>(state_.samples) / parameters.imu.rate;
-    const plant::Trajectory::Increments truth = models.trajectory.advance(state_.trajectory, time);
-    const double latitude = models.trajectory.position(state_.trajectory).latitude;
+std::uint64_t TruthPlant::travel(const Models& models, const Leg& leg, std::uint64_t last,
+                                 plant::ImuOutput& output) {
+    // A vehicle that comes into view within an IMU period is not measured before the next one.
+    const double first = std::min(end_of(state_.samples), leg.end);
+    if (state_.trajectory.time < first) {
+        advance(leg, first);
+        state_.begun = {};
+    }
+    const std::uint64_t before = state_.samples;
+    while (state_.samples < last && end_of(state_.samples + 1) <= leg.end) {
+        ++state_.samples;
+        advance(leg, end_of(state_.samples));
+        measure(models, output);
+        receive(models);
+        aid(models);
+    }
+    if (state_.samples > before) {
+        put_out_truth(models);
+    }
+    if (end_of(state_.samples + 1) > leg.end && state_.trajectory.time < leg.end) {
+        advance(leg, leg.end);
+    }
+    return state_.samples - before;
+}
+
+std::uint64_t TruthPlant::follow(const Models& models, double begin, plant::ImuOutput& output) {
+    const ExternalVehicle& vehicle = state_.vehicle;
+    using Verdict = ExternalVehicle::Verdict;
+    // IMU samples in a passage, whatever a damaged state says.
+    const auto longest =
+        static_cast<std::uint64_t>(ExternalVehicle::kLargestOffset * parameters.imu.rate) + 1;
+    Verdict verdict = Verdict::stale;
+    std::uint64_t made = 0;
+    do {
+        if (vehicle.known()) {
+            const plant::Trajectory trajectory(vehicle.passage(), vehicle.from().position);
+            const Leg leg{
+                .trajectory = trajectory, .end = vehicle.to().time, .arrival = vehicle.to().position};
+            made += travel(models, leg, std::min(state_.due, state_.samples + longest), output);
+            if (state_.trajectory.time < vehicle.to().time) {
+                return made;  // the vehicle is ahead of the master
+            }
+        }
+        verdict = look(begin);
+    } while (verdict == Verdict::begun || verdict == Verdict::followed);
+    if (verdict == Verdict::refused) {
+        refuse_state(end_of(state_.due));
+    }
+    return made;
+}
+
+ExternalVehicle::Verdict TruthPlant::look(double begin) {
+    using Verdict = ExternalVehicle::Verdict;
+    const double rate = parameters.imu.rate;
+    const double time = std::isnan(inputs.external.time) ? begin : inputs.external.time;
+    // A stamp that is the end of an IMU sample but for rounding is taken for it.
+    const double nearest = state_.start_time + std::round((time - state_.start_time) * rate) / rate;
+    const double stamp = std::abs(time - nearest) <= truth_plant::kWhole / rate ? nearest : time;
+    ExternalVehicle& vehicle = state_.vehicle;
+    const Verdict verdict = vehicle.read(inputs.external, stamp, end_of(state_.due));
+    if (verdict == Verdict::begun) {
+        const double first =
+            std::ceil((vehicle.from().time - state_.start_time) * rate - truth_plant::kWhole);
+        if (first > static_cast<double>(state_.samples)) {
+            state_.samples = static_cast<std::uint64_t>(first);
+            ++state_.steps;  // the count shows that something is missing
+        }
+    }
+    if (verdict == Verdict::begun || verdict == Verdict::followed) {
+        const plant::KnownPoint& from = vehicle.from();
+        state_.trajectory = plant::Trajectory(vehicle.passage(), from.position).begin(from.time);
+    }
+    return verdict;
+}
+
+void TruthPlant::refuse_state(double time) {
+    ++outputs.external.rejected;
+    if (!log_->listens()) {
+        return;
+    }
+    if (const auto omitted = state_.told_refusals.tell(0, time)) {
+        log_->event(text("state of the vehicle refused in the step to ", time, " s", and_others(*omitted),
+                         ": ", state_.vehicle.flaw().sentence()));
+    }
+}
+
+void TruthPlant::advance(const Leg& leg, double to) {
+    const plant::Trajectory::Increments gained = leg.trajectory.advance(state_.trajectory, to);
+    state_.begun.delta_angle += gained.delta_angle;
+    state_.begun.delta_velocity += gained.delta_velocity;
+    if (to == leg.end) {
+        state_.trajectory.start = leg.arrival;
+        state_.trajectory.travelled.setZero();
+    }
+    const double latitude = state_.trajectory.position().latitude;
     if (std::abs(latitude) > earth::kHighestLatitude) {
-        throw std::runtime_error("the motion has come to latitude " + text(latitude) + " rad at " +
-                                 text(time) + " s: must stay within " + text(earth::kHighestLatitude) +
+        throw std::runtime_error("the motion has come to latitude " + text(latitude) + " rad at " + text(to) +
+                                 " s: must stay within " + text(earth::kHighestLatitude) +
                                  " rad, the local-level frame excludes the poles");
     }
+}
+
+void TruthPlant::measure(const Models& models, plant::ImuOutput& output) {
+    const double time = state_.trajectory.time;
+    const plant::Trajectory::Increments truth = std::exchange(state_.begun, {});
     Eigen::Vector3d delta_angle = models.gyro.measure(state_.gyro, state_.samples, time, truth.delta_angle);
     Eigen::Vector3d delta_velocity =
         models.accelerometer.measure(state_.accelerometer, state_.samples, time, truth.delta_velocity);
@@ -112,7 +224,7 @@ void TruthPlant::receive(const Models& models) {
         if (models.receiver.lost(time)) {
             lose(time, Loss::outage);
         } else {
-            const plant::Fix shown = models.gnss_fault.shown(antenna(models));
+            const plant::Fix shown = models.gnss_fault.shown(antenna());
             plant::Fix fix = models.receiver.measure(number, shown);
             fix.channels = models.channel_receiver.measure(number, shown, state_.clock, state_.channels);
             fix = models.gnss_fault.reported(fix, state_.before_gnss_fault);
@@ -138,7 +250,7 @@ void TruthPlant::aid(const Models& models) {
     };
     if (const auto due = number(models.body_velocity_schedule)) {
         const auto& sensor = parameters.body_velocity;
-        const earth::Position imu = models.trajectory.position(state_.trajectory);
+        const earth::Position imu = state_.trajectory.position();
         const Eigen::Vector3d truth =
             kinematics.C_bn.transpose() * velocity_at(imu, kinematics, sensor.lever_arm);
         auto& output = outputs.body_velocity;
@@ -165,7 +277,7 @@ void TruthPlant::aid(const Models& models) {
         auto& output = outputs.height_aid;
         ++output.sample;
         output.time = time;
-        output.height = models.height_aid.measure(*due, models.trajectory.position(state_.trajectory).height);
+        output.height = models.height_aid.measure(*due, state_.trajectory.position().height);
         output.sigma = parameters.height_aid.reports_sigma ? parameters.height_aid.noise_sigma : 0.0;
     }
 }
@@ -181,9 +293,9 @@ void TruthPlant::lose(double time, Loss cause) {
     }
 }
 
-plant::Fix TruthPlant::antenna(const Models& models) const {
+plant::Fix TruthPlant::antenna() const {
     const plant::Kinematics& kinematics = state_.trajectory.kinematics;
-    const earth::Position imu = models.trajectory.position(state_.trajectory);
+    const earth::Position imu = state_.trajectory.position();
     return {
         .time = state_.trajectory.time,
         .position = displaced(imu, kinematics, parameters.gnss.lever_arm),
@@ -234,7 +346,7 @@ void TruthPlant::put_out(const Models& models, const plant::Fix& fix) {
 void TruthPlant::put_out_truth(const Models& models) {
     const plant::Trajectory::State& trajectory = state_.trajectory;
     const EulerAngles attitude = euler_angles(trajectory.kinematics.C_bn);
-    const earth::Position position = models.trajectory.position(trajectory);
+    const earth::Position position = trajectory.position();
     const double since_fix =
         static_cast<double>(state_.samples % models.samples_per_fix) / parameters.imu.rate;
     const plant::ImuFault::Axes fault = models.imu_fault.bias(trajectory.time);
@@ -251,6 +363,7 @@ void TruthPlant::put_out_truth(const Models& models) {
             models.accelerometer.slow_error(state_.accelerometer, trajectory.time) + fault.tail<3>().matrix(),
         .clock_bias = state_.clock.bias + since_fix * state_.clock.drift,
         .clock_drift = state_.clock.drift,
+        .time = trajectory.time,
     };
 }
 

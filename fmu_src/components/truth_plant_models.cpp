@@ -5,6 +5,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "inertial/attitude.hpp"
+
 namespace truenorth::truth_plant {
 
 namespace {
@@ -69,6 +71,16 @@ plant::Flight flight(const Parameters::Motion& motion) {
     return {{.speed = motion.speed, .climb_angle = 0.0, .course = motion.course}, segments};
 }
 
+earth::Position start(const Parameters::Motion& motion) {
+    return {.latitude = motion.latitude, .longitude = motion.longitude, .height = motion.height};
+}
+
+// Of a vehicle of which nothing is known yet: at rest.
+plant::Passage unknown(const Parameters::Motion& motion) {
+    const EulerAngles attitude{.heading = motion.course};
+    return plant::Passage({.position = start(motion), .q_bn = Eigen::Quaterniond(dcm(attitude))});
+}
+
 plant::Motion motion(const Parameters::Motion& motion) {
     switch (motion.kind) {
         case MotionKind::ship:
@@ -77,6 +89,8 @@ plant::Motion motion(const Parameters::Motion& motion) {
             return parked_vehicle(motion);
         case MotionKind::flight:
             return flight(motion);
+        case MotionKind::external:
+            return unknown(motion);
     }
     throw std::logic_error("a motion that validate() does not know");
 }
@@ -254,12 +268,7 @@ plant::NoiseStream stream(const Parameters& parameters, plant::NoiseSource sourc
 }  // namespace
 
 Models::Models(const Parameters& parameters)
-    : trajectory(motion(parameters.motion),
-                 {
-                     .latitude = parameters.motion.latitude,
-                     .longitude = parameters.motion.longitude,
-                     .height = parameters.motion.height,
-                 }),
+    : trajectory(motion(parameters.motion), start(parameters.motion)),
       gyro(errors(parameters.imu.gyro), 1.0 / parameters.imu.rate,
            {
                .bias = stream(parameters, plant::NoiseSource::gyro_bias),

@@ -133,7 +133,7 @@ void check_together(const Parameters& parameters) {
         check_period("motion.wave.period", motion.wave.period, motion.wave.velocity, imu.rate);
     } else if (motion.kind == MotionKind::flight) {
         check_flight(motion);
-    } else {
+    } else if (motion.kind == MotionKind::parked_vehicle) {
         const Eigen::Vector3d amplitude = motion.vibration.angle.cwiseMax(motion.vibration.acceleration);
         check_frequency("motion.vibration.frequency", motion.vibration.frequency, amplitude, imu.rate);
     }

@@ -7,11 +7,12 @@
 #include "plant/flight.hpp"
 #include "plant/kinematics.hpp"
 #include "plant/parked_vehicle.hpp"
+#include "plant/passage.hpp"
 #include "plant/ship.hpp"
 
 namespace truenorth::plant {
 
-using Motion = std::variant<Ship, ParkedVehicle, Flight>;
+using Motion = std::variant<Ship, ParkedVehicle, Flight, Passage>;
 
 inline Kinematics at(const Motion& motion, double time) {
     return std::visit([time](const auto& kind) { return kind.at(time); }, motion);

@@ -22,6 +22,14 @@ constexpr std::array<Node, 3> kNodes{
     },
 };
 
+earth::Position moved(const earth::Position& start, const Eigen::Vector3d& travelled) {
+    return {
+        .latitude = start.latitude + travelled.x(),
+        .longitude = wrap_angle(start.longitude + travelled.y()),
+        .height = start.height + travelled.z(),
+    };
+}
+
 Trajectory::Rates rates(const earth::Position& position, const Kinematics& kinematics) {
     const Eigen::Vector3d& velocity = kinematics.velocity;
     const Eigen::Vector3d omega_ie = earth::rate(position.latitude);
@@ -42,6 +50,7 @@ Trajectory::State Trajectory::begin(double time) const {
     const Kinematics kinematics = at(motion_, time);
     return {
         .time = time,
+        .start = start_,
         .travelled = Eigen::Vector3d::Zero(),
         .kinematics = kinematics,
         .rates = rates(start_, kinematics),
@@ -60,7 +69,8 @@ Trajectory::Increments Trajectory::advance(State& state, double to) const {
         const double elapsed = node.at * duration;
         state.kinematics = at(motion_, state.time + elapsed);
         // The rates hardly depend on position: a first-order prediction, 0.1 mm off at 100 Hz, is ample.
-        state.rates = rates(position(state.travelled + elapsed * begin.position_rate), state.kinematics);
+        state.rates =
+            rates(moved(state.start, state.travelled + elapsed * begin.position_rate), state.kinematics);
         mean.omega_ib_b += node.weight * state.rates.omega_ib_b;
         mean.f_b += node.weight * state.rates.f_b;
         mean.position_rate += node.weight * state.rates.position_rate;
@@ -70,13 +80,7 @@ Trajectory::Increments Trajectory::advance(State& state, double to) const {
     return {.delta_angle = duration * mean.omega_ib_b, .delta_velocity = duration * mean.f_b};
 }
 
-earth::Position Trajectory::position(const Eigen::Vector3d& travelled) const {
-    return {
-        .latitude = start_.latitude + travelled.x(),
-        .longitude = wrap_angle(start_.longitude + travelled.y()),
-        .height = start_.height + travelled.z(),
-    };
-}
+earth::Position Trajectory::State::position() const { return moved(start, travelled); }
 
 earth::Position displaced(const earth::Position& imu, const Kinematics& kinematics,
                           const Eigen::Vector3d& lever_arm) {

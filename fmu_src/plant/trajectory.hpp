@@ -19,8 +19,13 @@ namespace truenorth::plant {
 class Trajectory {
   public:
     struct Increments {
-        Eigen::Vector3d delta_angle;     // integral of w_ib^b [rad]
-        Eigen::Vector3d delta_velocity;  // integral of f^b [m/s]
+        Eigen::Vector3d delta_angle = Eigen::Vector3d::Zero();     // integral of w_ib^b [rad]
+        Eigen::Vector3d delta_velocity = Eigen::Vector3d::Zero();  // integral of f^b [m/s]
+
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(delta_angle, delta_velocity);
+        }
     };
 
     // What is integrated, at one instant.
@@ -37,14 +42,18 @@ class Trajectory {
     };
 
     struct State {
-        double time = 0.0;                                    // [s]
+        double time = 0.0;  // [s]
+        earth::Position start;
         Eigen::Vector3d travelled = Eigen::Vector3d::Zero();  // latitude, longitude, height since the start
         Kinematics kinematics;
         Rates rates;
 
+        // Longitude in [-pi, pi).
+        [[nodiscard]] earth::Position position() const;
+
         template <class Archive>
         void serialize(Archive& archive) {
-            archive(time, travelled, kinematics, rates);
+            archive(time, start, travelled, kinematics, rates);
         }
     };
 
@@ -55,12 +64,7 @@ class Trajectory {
     // To time `to`; what the sensors measure on the way.
     Increments advance(State& state, double to) const;
 
-    // Longitude in [-pi, pi).
-    [[nodiscard]] earth::Position position(const State& state) const { return position(state.travelled); }
-
   private:
-    [[nodiscard]] earth::Position position(const Eigen::Vector3d& travelled) const;
-
     Motion motion_;
     earth::Position start_;
 };

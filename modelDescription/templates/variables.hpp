@@ -5,6 +5,9 @@
 #include <array>
 #include <cereal/types/array.hpp>
 #include <cereal/types/common.hpp>
+{% if component.of('input') | selectattr('optional') | list %}
+#include <limits>
+{% endif %}
 
 #include "components/parameter_rules.hpp"
 #include "components/serialisation.hpp"
@@ -76,7 +79,7 @@ struct {{ title }} {
 inline void validate(const Parameters& parameters) {
 {{ rules(component.of('parameter', 'tunable'), 'parameters') -}}
 }
-{% set read_at_start = component.of('input') | selectattr('at_start') | list %}
+{% set read_at_start = component.of('input') | selectattr('at_start') | rejectattr('optional') | list %}
 {% if read_at_start %}
 
 // The same for inputs that are read at the start.

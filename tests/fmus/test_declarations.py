@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isnan
+
 from archives import ROOT
 from calls import Fmu
 from fmi2 import Fmi2
@@ -17,5 +19,7 @@ def test_the_fmu_says_what_the_declaration_says(fmu: Fmu) -> None:
         described = fmu.variables[scalar.name]
         assert described.valueReference == scalar.reference
         assert described.start == spelling.start(scalar)
-        if scalar.variable.type == "Real" and scalar.variable.start is not None:
+        if scalar.variable.optional:
+            assert isnan(float(described.start))
+        elif scalar.variable.type == "Real" and scalar.variable.start is not None:
             assert float(described.start) == scalar.variable.starts[scalar.position]

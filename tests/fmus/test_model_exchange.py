@@ -173,3 +173,34 @@ def test_a_state_leads_back(fmu: Fmu, signals: list[dict[str, Number]]) -> None:
     assert model.instance.restore(state) == OK
     assert go(150, 300) == once
     model.instance.free()
+
+
+@pytest.mark.parametrize("stamped", [True, False])
+def test_a_vehicle_of_somebody_else_is_followed(fmus: dict[str, Fmu], stamped: bool) -> None:
+    """With its stamp at once; without one its state is taken for that of a period before."""
+
+    def vehicle(time: float) -> dict[str, Number]:
+        """North at 5 m/s and turning."""
+        values: dict[str, Number] = {f"external.velocity[{i}]": 5.0 * (i == 2) for i in (1, 2, 3)}
+        values |= {f"external.attitude[{i}]": 0.1 * time * (i == 3) for i in (1, 2, 3)}
+        return values | {
+            "external.position[1]": 0.5 + 5.0 * time / 6.35e6,
+            "external.position[2]": 1.0,
+            "external.position[3]": 0.0,
+        }
+
+    model = Exchanged(fmus["TruthPlant"], **{"motion.kind": 4, **vehicle(0.0)})
+    early = 0 if stamped else 1
+    for index in range(1, 50):
+        time = model.next_event
+        model.enter_event(time)
+        model.feed({**vehicle(time), **({"external.time": time} if stamped else {})})
+        model.leave_event()
+        outputs = model.instance.read()
+        assert outputs["imu.sample"] == index - early
+        assert outputs["truth.time"] == pytest.approx((index - early) * STEP, abs=1e-12)
+        if index > early:
+            assert outputs["truth.heading"] == pytest.approx(0.1 * time, abs=1e-12)
+        assert outputs["external.rejected"] == 0
+    model.instance.terminate()
+    model.instance.free()

@@ -57,6 +57,7 @@ SOUND = {
     "enumeration": variable(type='"Colour"', unit="", start='"green"'),
     "output": variable(causality='"output"', start=""),
     "input that is read at the start": variable(causality='"input"', at_start="true"),
+    "input that need not be given": variable(causality='"input"', start="nan", size="3"),
 }
 
 BAD = {
@@ -87,6 +88,10 @@ BAD = {
     "start out of range": (variable(min="2.0"), "start: 1.0 must be at least 2.0"),
     "start at an exclusive limit": (variable(above="1.0"), "start: 1.0 must be greater than 1.0"),
     "start not finite": (variable(start="nan"), "start: nan must be a finite number"),
+    "start of an input not finite": (
+        variable(causality='"input"', start="inf"),
+        "start: inf must be a finite number",
+    ),
     "start of the wrong type": (variable(start='"x"'), "start: 'x' must be a number, of type Real"),
     "fraction for an integer": (
         variable(type='"Integer"', unit="", start="1.5"),

@@ -67,7 +67,7 @@ TEST(ChannelReceiver, TheRangeRateIsTheDerivativeOfThePseudorange) {
         }
         const Fix antenna{
             .time = time,
-            .position = trajectory.position(state),
+            .position = state.position(),
             .velocity = state.kinematics.velocity,
         };
         return by_satellite(receiver.measure(1, antenna, {.bias = drift * time, .drift = drift}, allocation));

@@ -71,7 +71,7 @@ TEST(Flight, OnTheTrueEarthTheWingsHardlyFeelTheTurn) {
     Trajectory::State state = trajectory.begin(0.0);
     for (int k = 1; k < 240; ++k) {
         trajectory.advance(state, k);
-        const earth::Position position = trajectory.position(state);
+        const earth::Position position = state.position();
         const double coriolis = (2.0 * earth::rate(position.latitude) +
                                  earth::transport_rate(position, state.kinematics.velocity))
                                     .cross(state.kinematics.velocity)
@@ -116,7 +116,7 @@ TEST(Flight, ClimbsAtItsAngle) {
     Trajectory::State state = trajectory.begin(0.0);
     const auto height_at = [&](double time) {
         trajectory.advance(state, time);
-        return trajectory.position(state).height;
+        return state.position().height;
     };
     const double begin = height_at(10.0);
     const double end = height_at(110.0);

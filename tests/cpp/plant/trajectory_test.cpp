@@ -105,7 +105,7 @@ TEST(Trajectory, TheRateOfTheImuDoesNotMatter) {
             angle += delta_angle;
             velocity += delta_velocity;
         }
-        return std::tuple(angle, velocity, trajectory.position(state));
+        return std::tuple(angle, velocity, state.position());
     };
     const auto [angle, velocity, position] = run(100);
     const auto [fine_angle, fine_velocity, fine_position] = run(400);
@@ -147,12 +147,12 @@ TEST(Trajectory, RatesAgreeWithDerivativesInTheEarthFixedFrame) {
     std::array<Eigen::Vector3d, 5> r;
     std::array<Eigen::Matrix3d, 5> C_be;
     for (std::size_t i = 0; i < 5; ++i) {
-        const earth::Position position = trajectory.position(states[i]);
+        const earth::Position position = states[i].position();
         r[i] = ecef::coordinates(position);
         C_be[i] = ecef::axes(position) * states[i].kinematics.C_bn;
     }
     const Eigen::Vector3d velocity = first_derivative(r);
-    const earth::Position position = trajectory.position(states[2]);
+    const earth::Position position = states[2].position();
     const Eigen::Vector3d gravity =
         ecef::axes(position) * Eigen::Vector3d(0, 0, -earth::gravity(position.latitude, position.height));
     const Eigen::Vector3d f_b =
@@ -172,9 +172,9 @@ TEST(Trajectory, VelocityOfALeverArmIsTheDerivativeOfItsPosition) {
     const auto states = around(trajectory, 30.0);
     std::array<Eigen::Vector3d, 5> r;
     for (std::size_t i = 0; i < 5; ++i) {
-        r[i] = ecef::coordinates(displaced(trajectory.position(states[i]), states[i].kinematics, lever_arm));
+        r[i] = ecef::coordinates(displaced(states[i].position(), states[i].kinematics, lever_arm));
     }
-    const earth::Position imu = trajectory.position(states[2]);
+    const earth::Position imu = states[2].position();
     const Eigen::Vector3d velocity = ecef::axes(imu) * velocity_at(imu, states[2].kinematics, lever_arm);
     EXPECT_LT((first_derivative(r) - velocity).norm(), 1e-5);
 }
@@ -186,7 +186,7 @@ TEST(Trajectory, CrossesTheDateLine) {
     Trajectory::State state = trajectory.begin(0.0);
     trajectory.advance(state, 0.1);
     trajectory.advance(state, 0.2);
-    EXPECT_NEAR(trajectory.position(state).longitude, -std::numbers::pi, 1e-6);
+    EXPECT_NEAR(state.position().longitude, -std::numbers::pi, 1e-6);
 }
 
 // The loop closes: the increments, mechanised from a perfect start, give the trajectory back.
@@ -196,7 +196,7 @@ void expect_that_the_mechanisation_follows(const Motion& motion, int samples) {
     Mechanisation mechanisation({
         .q_bn = Eigen::Quaterniond(state.kinematics.C_bn),
         .velocity = state.kinematics.velocity,
-        .position = trajectory.position(state),
+        .position = state.position(),
     });
     double attitude_error = 0.0;
     double velocity_error = 0.0;
