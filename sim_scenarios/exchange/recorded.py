@@ -104,7 +104,8 @@ def of_recording(
     values, _ = values_of(parts, recording, begun, of_filters)
     step = signals.suitable_step(fed.time) if step is None else step
     steps = int(np.ceil((fed.time[-1] - fed.time[0] - SAME_MOMENT) / step)) + 1  # the filter is one behind
-    checked = min(steps, round(CHECKED / OUTPUT_INTERVAL) * round(OUTPUT_INTERVAL / step))
+    row = round(OUTPUT_INTERVAL / step)
+    checked = min(steps // row, round(CHECKED / OUTPUT_INTERVAL)) * row or steps
     plan = Plan(
         file_name(recording.name), f"{recording.name}, {begun.words}", steps * step, step, checked * step
     )

@@ -146,9 +146,9 @@ def table_difference(result: NDArray[np.void], reference: NDArray[np.void]) -> f
 
 def test_fmpy_ssp(exported: Exported, reached: Record) -> None:
     system = exported.system
-    result = simulate_ssp(str(exported.ssp), stop_time=system.stop, step_size=system.step)
+    result = simulate_ssp(str(exported.ssp), stop_time=system.checked, step_size=system.step)
     reference = exported.reference(system.filter.fmu.name)
-    assert len(result) == round(system.stop / system.step)
+    assert len(result) == round(system.checked / system.step)
     final = {n: result[f"filter.{n}"][-1] for n in reference.dtype.names if n != "time"}
     reached(importer_table.Importer("FMPy", version("fmpy"), "SSP 1.0", "2"), difference(final, reference))
 
@@ -167,7 +167,7 @@ def test_libcosim(form: str, exported: Exported, reached: Record) -> None:
         execution = CosimExecution.from_ssp_file(str(exported.ssp))
     observer = CosimObserver.create_last_value()
     assert execution.add_observer(observer)
-    assert execution.simulate_until(round(exported.system.stop * 1e9))
+    assert execution.simulate_until(round(exported.system.checked * 1e9))
     component = exported.system.filter
     index = execution.slave_index_from_instance_name(component.name)
     reals = [name for name in component.outputs if component.fmu.variables[name].kind == "Real"]
@@ -190,7 +190,7 @@ def test_ecos(exported: Exported, reached: Record) -> None:
     reals = [name for name in component.outputs if component.fmu.variables[name].kind == "Real"]
     with EcosSimulation(exported.system.step, ssp_path=str(exported.ssp)) as simulation:
         simulation.init()
-        simulation.step(round(exported.system.stop / exported.system.step))
+        simulation.step(round(exported.system.checked / exported.system.step))
         values = {name: simulation.get_real(f"{component.name}::{name}") for name in reals}
     reached(
         importer_table.Importer("Ecos (ecospy)", version("ecospy"), "SSP 1.0", "2"),

@@ -149,8 +149,8 @@ def test_alignment_and_navigation_in_fmpy_are_those_of_replay(
     ship: Recording, all_fmus: Fmus, tmp_path: Path
 ) -> None:
     """The alignment hands over within the 30 s."""
-    start = Start(heading=ship.reference.attitude[0, 2], heading_sigma=0.5 * DEGREE)
-    settings = {"alignment.convergence.hold_time": 5.0, "alignment.convergence.heading_sigma": "2 deg"}
+    start = Start(heading=ship.reference.attitude[0, 2], heading_sigma=0.4 * DEGREE)
+    settings = {"alignment.error_model": "large_azimuth", "alignment.convergence.hold_time": 5.0}
     options = {"filter": "align_then_navigate", "set": settings, "fmus": all_fmus}
     system = export_recording(ship, tmp_path, start, **options)
     run = replay(ship, start, **options)
