@@ -1,8 +1,9 @@
 """A vehicle simulation of one's own drives TruthPlant, and a filter aligns on what its IMU measures (FMPy).
 
 The vehicle is a dozen lines: a ship that sails an S over the ellipsoid, rolls and pitches, known 20 times a
-second. It stamps its states (`external.time`), so that the plant, whose IMU has 100 Hz, is in time with it; rates are
-not told and interpolated. The folder of the FMUs is taken from TRUENORTH_FMUS, else it is that of `make fmus`.
+second. It stamps its states (`external.time`), so that the plant, whose IMU has 100 Hz, is in time with it;
+rates are not told and interpolated. The folder of the FMUs is taken from TRUENORTH_FMUS, else it is that of
+`make fmus`.
 """
 
 import os

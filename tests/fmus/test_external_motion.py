@@ -1,4 +1,4 @@
-"""TruthPlant driven from outside through FMI, by another plant; examples/own_vehicle.py has a ship of its own."""
+"""TruthPlant driven from outside through FMI, by another plant; examples/own_vehicle.py has its own ship."""
 
 from __future__ import annotations
 
