@@ -39,7 +39,10 @@ class InnovationMean {
         for (int i = 0; i < K; ++i) {
             if (variance_(i) > kEnough) {
                 const double deviates = std::abs(sum_(i)) / std::sqrt(variance_(i));
-                largest = deviates <= largest ? largest : deviates;  // what is no number stays
+                if (std::isnan(deviates)) {
+                    return deviates;
+                }
+                largest = std::max(largest, deviates);
             }
         }
         return largest;
