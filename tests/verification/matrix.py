@@ -44,6 +44,8 @@ ORACLES: Final[Mapping[str, str]] = {
     "mechanisation itself is that of pyins.",
     "pyins": "the package python-ins, written by others.",
     "prototype": "an independent filter in another language: bands of Monte-Carlo runs, `make bands`.",
+    "dense filter": "an independent filter in numpy on the very same signals, `tests/python/papers`: every "
+    "figure within 1 %.",
     "Monte Carlo": "statistics of many draws that must be what the equation says.",
     "drawn": "drawn and tabulated by `truenorth paper`; the test is that of the drawing. Nothing says that "
     "the paper's own curve is met but the comparison on its page.",
@@ -59,6 +61,7 @@ Oracle = Literal[
     "two mechanisations",
     "pyins",
     "prototype",
+    "dense filter",
     "Monte Carlo",
     "drawn",
     "modelled, not checked",
