@@ -14,7 +14,7 @@ from sim_scenarios.recordings import axes, checks, clocks, fixes, stamps
 from sim_scenarios.recordings.order import in_order
 from sim_scenarios.recordings.readers import delimited, formats, sheets
 from sim_scenarios.recordings.readers.contents import Axes, Clock, Contents, Inertial
-from sim_scenarios.recordings.sources import Description, ImuSource, Source, describe
+from sim_scenarios.recordings.sources import Description, GnssSource, ImuSource, Source, describe
 from sim_scenarios.recordings.tables import Array, ImuTable, LeverArms, Recording
 
 TABLES: Final[Mapping[str, tuple[str, Callable[..., Contents]]]] = {
@@ -151,7 +151,7 @@ def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_a
     ]
     times = clocks.on_one_clock(of_tables)
     tables = {
-        TABLES[one.name][0]: _with_sigmas(replace(table, time=time), one.source)
+        TABLES[one.name][0]: _as_described(replace(table, time=time), one.source)
         for one, (table, _), time in zip(read, in_time, times, strict=True)
     }
     remarks = [remark for one in read for remark in one.contents.remarks]
@@ -189,8 +189,10 @@ def _increments(imu: Inertial, to_body: Array, path: Path) -> ImuTable:
         )
 
 
-def _with_sigmas(table: Any, source: Source) -> Any:
-    """Table with the sigmas of its description, where there are any."""
+def _as_described(table: Any, source: Source) -> Any:
+    """Table with the sigmas of its description, where there are any, and its velocities at its stamps."""
+    if isinstance(source, GnssSource) and source.velocity_offset:
+        table = fixes.with_velocities_later(table, source.velocity_offset)
     given = {
         name: np.broadcast_to(np.array(sigma), getattr(table, name).shape)
         for name in ("position_sigma", "velocity_sigma", "sigma")

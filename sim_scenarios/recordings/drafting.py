@@ -13,7 +13,16 @@ from typing import Any, Final
 import numpy as np
 
 from sim_scenarios.errors import InputError
-from sim_scenarios.recordings import ahead, clocks, forces, guessed_tables, guesses, stamps, turns
+from sim_scenarios.recordings import (
+    ahead,
+    clocks,
+    forces,
+    guessed_tables,
+    guesses,
+    simultaneity,
+    stamps,
+    turns,
+)
 from sim_scenarios.recordings.clocks import Stamps
 from sim_scenarios.recordings.description import TABLES
 from sim_scenarios.recordings.guesses import Guess
@@ -95,6 +104,9 @@ def draft(files: Sequence[Path], folder: Path) -> tuple[str, list[str]]:
     for table in ("gnss", "body_velocity"):
         if table in parts:
             parts[table].entries["lever_arm"] = LEVER_ARM
+    if "gnss" in parts and (lag := simultaneity.of_velocities(parts["gnss"].rows)) and lag.is_certain:
+        why = f"so positions and velocities go together; sigma {lag.sigma:.2g} s"
+        parts["gnss"].entries["velocity_offset"] = Guess(round(lag.value, 4), why)
     return _text(ordered, left_out, folder), left_out + [
         f"{part.table}.{key} = {_toml(guess.value)}: {guess.why}"
         for part in ordered

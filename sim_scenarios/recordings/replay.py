@@ -50,6 +50,13 @@ ANY_HEADING: Final[Mapping[str, object]] = {
     "corrector": "standard",
 }
 """An AlignmentFilter that needs no heading to start from."""
+LEAST_SIGMAS: Final[Mapping[str, str]] = {
+    "position": "measurement.position_sigma",
+    "height": "measurement.height_sigma",
+    "velocity": "measurement.velocity_sigma",
+}
+"""Parameters below which, where they are told, no recorded fix is believed: a receiver does not know of late
+stamps, of how its antenna moves and of errors that do not change from fix to fix."""
 NO_COARSE_STAGE: Final = (
     "no fix has both position and velocity whole, as the coarse stage needs: the alignment begins without it "
     "(coarse.enabled = false)"
@@ -99,7 +106,9 @@ def replay(
     set : mapping, optional
         Parameters by name, in SI units or with a unit. Of an alignment before navigation, those of
         AlignmentFilter begin with `alignment.`, those of NavigationFilter with `filter.`; without either they
-        are for both where both have them. By default an alignment has no coarse stage where no fix is whole.
+        are for both where both have them. Sigmas that recorded fixes have of their own are raised to those of
+        `measurement.*` of the (navigation) filter, where these are told. By default an alignment has no coarse
+        stage where no fix is whole.
     progress : callable
         Called with the completed share.
     fmus : Fmus, optional
@@ -128,6 +137,9 @@ def replay(
     begun = beginning(recording, start)
     parts = _parts(task, fmus)
     values, without_coarse_stage = _values(parts, recording, begun, set or {})
+    if recording.gnss is not None and zero_velocity is None:
+        least = {kind: values["filter"].get(name) for kind, name in LEAST_SIGMAS.items()}
+        recording = changed(recording, gnss=fixes.no_surer_than(recording.gnss, **least))
     fed = feed(recording, begun.time)
     windows = outages.windows(begun.time, float(fed.time[-1])) if outages else np.empty((0, 2))
     if recording.gnss is not None and len(windows):

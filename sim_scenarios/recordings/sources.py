@@ -25,8 +25,9 @@ has
     offset      seconds to add to its stamps
     stamps      "recorded"; "sorted": brought in order; "steady": moved onto the sensor's own steady clock
 
-and sigmas [SI, or "1 deg"], which hold in the place of those of the file. A sample of rates covers the step
-that ends at its stamp; after a gap one ordinary period, so that the gap stays one.
+of fixes `velocity_offset`, the seconds from a stamp to when its velocity held: receivers that smooth it have
+less than 0; and sigmas [SI, or "1 deg"], which hold in the place of those of the file. A sample of rates
+covers the step that ends at its stamp; after a gap one ordinary period, so that the gap stays one.
 """
 
 from __future__ import annotations
@@ -106,6 +107,7 @@ class GnssSource(Source):
     columns: layouts.GnssColumns | None = None
     units: layouts.GnssUnits = layouts.GnssUnits()
     lever_arm: Vector = (0.0, 0.0, 0.0)
+    velocity_offset: float = 0.0
     position_sigma: LengthSigmas | None = None
     velocity_sigma: VelocitySigmas | None = None
 
