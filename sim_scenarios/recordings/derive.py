@@ -109,7 +109,7 @@ class Derivation:
         lines = [f"# Noise of {self.recording!a}, for {self.fmu.name}; [a, b]: 95 % interval.", ""]
         if self.drive is not None:
             lines[1:1] = [
-                "# Of fixes that tell their own sigmas, `replay` takes the larger of those and measurement.*.",
+                "# Of fixes that tell their sigmas, `replay` takes the larger of those and measurement.*.",
             ]
         for finding in self.findings:
             lines += [f"# {line}" for line in finding.evidence]

@@ -107,8 +107,8 @@ def replay(
         Parameters by name, in SI units or with a unit. Of an alignment before navigation, those of
         AlignmentFilter begin with `alignment.`, those of NavigationFilter with `filter.`; without either they
         are for both where both have them. Sigmas that recorded fixes have of their own are raised to those of
-        `measurement.*` of the (navigation) filter, where these are told. By default an alignment has no coarse
-        stage where no fix is whole.
+        `measurement.*` of the (navigation) filter, where these are told. By default an alignment has no
+        coarse stage where no fix is whole.
     progress : callable
         Called with the completed share.
     fmus : Fmus, optional

@@ -22,7 +22,8 @@ has
     columns     names or numbers of columns of a text file; a minus in front turns the sign
     units       of these columns; those of the angular column decide between rates and increments
     clock       gps, unix, gps-week, gps-day, utc-day, own
-    offset      seconds to add to its stamps
+    offset      seconds to add to its stamps; of the IMU or of the fixes "found": those with which one goes
+                with the other, see `recordings.simultaneity`
     stamps      "recorded"; "sorted": brought in order; "steady": moved onto the sensor's own steady clock
 
 of fixes `velocity_offset`, the seconds from a stamp to when its velocity held: receivers that smooth it have
@@ -34,7 +35,7 @@ from __future__ import annotations
 
 from enum import Enum
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
@@ -87,7 +88,7 @@ class Source(_Said):
     file: Path | None = None
     format: str | None = None
     clock: Clock | None = None
-    offset: float = 0.0
+    offset: float | Literal["found"] = 0.0
     stamps: StampsAre = StampsAre.RECORDED
 
 
