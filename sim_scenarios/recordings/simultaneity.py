@@ -7,42 +7,37 @@ of fixes that held s later than stamped go with positions p if
     p(t) = integral of u until t - s, and a constant.
 
 An IMU whose samples held s later than stamped goes with the velocities v of an antenna at the lever arm l if,
-whatever its axes and its attitude are,
+whatever its axes, its attitude and its biases are,
 
-    v(t) = A V(t - s) + polynomial of t,    V = integral of C (f - a), + C (w x l),
+    v(t) = A V(t - s) + polynomial of t,    V = integral of C f, and C (w x l),
 
-with C the attitude since a window began, as the gyros w say it with a bias b: V changes with b by the
-integral of (C f) x integral of C. Over a window, A and the polynomial are those of least squares; all windows share the
-lag and the biases a and b. The lag is the most likely one: each component in each window has a noise of its
-own, so that with m fixes in it its loss is m / 2 times the logarithm of the sum of squares that is left. The
-sigma follows from how the gradient scatters from window to window.
+with C the attitude from the beginning of a window on, as the gyros w say. Over a window, A and the polynomial
+are those of least squares. The lag is the one that is most likely for all windows: each component in each
+window has a noise of its own, so that with m fixes in it its loss is m / 2 times the logarithm of the sum of
+squares that is left. The sigma follows from how the gradient scatters from window to window.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, interp1d
+from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
-from scipy.stats import norm
 
-from sim_scenarios.attitude import skew
 from sim_scenarios.earth import displacement
 from sim_scenarios.recordings import stamps
 from sim_scenarios.recordings.fixes import velocities
-from sim_scenarios.recordings.scoring import Loss, descend
 from sim_scenarios.recordings.tables import Array, FixTable, ImuTable
 
 WINDOW: Final = 10.0
 """Length of a window [s]: gyros of any grade keep the attitude so long."""
 LEAST_FIXES: Final = 15
 """In a window, which is longer where there were fewer."""
-WINDOWS: Final = (8, 60)
+WINDOWS: Final = (12, 60)
 """Least and largest number of windows; of more, those in which the velocity changes most are looked at."""
 LEAST_CHANGE: Final = 0.2
 """Root mean square of the changes of velocity from fix to fix in a window, per second [m/s2]."""
@@ -50,16 +45,13 @@ LONGEST: Final = 0.5
 """Lag that is looked for [s]; what is later contradicts physics, see `checks`."""
 STEP: Final = 0.02
 """Of the search [s]."""
-REACH: Final = 0.6
-"""Time before and after a window in which the IMU is looked at [s]."""
-BIASES: Final = 6
-"""Three of gyros [rad/s], three of accelerometers [m/s2]."""
-LITTLE: Final = 1e-3
-"""Of a bias, for a derivative [rad/s], [m/s2]."""
-CHANCE: Final = 1e-3
-"""Probability with which a lag is told where there is none."""
-LEAST: Final = 5e-3
-"""Lag that is worth being told [s]: half a sample of an ordinary IMU."""
+SPANS: Final = {"velocities": 0.015, "imu": 0.06}
+"""Lags about the best over which a parabola is laid [s]; on shorter ones vibration makes the loss rough."""
+ROUNDS: Final = 5
+FACTOR: Final = 3.3
+"""Sigmas that a lag must have to be told: one in a thousand is by chance."""
+LEAST: Final = 0.03
+"""Lag that is worth being told [s]; what is less is within what sensors and receivers do."""
 EXACT: Final = 1e-6
 """What is left of a component in a window [m], [m/s] counts as no less than this."""
 
@@ -74,7 +66,7 @@ class Lag:
     @property
     def is_certain(self) -> bool:
         """Whether it is not by chance, and worth being told."""
-        return abs(self.value) > max(LEAST, float(norm.isf(CHANCE / 2)) * self.sigma)
+        return abs(self.value) > max(LEAST, FACTOR * self.sigma)
 
 
 def of_velocities(gnss: FixTable) -> Lag | None:
@@ -88,7 +80,11 @@ def of_velocities(gnss: FixTable) -> Lag | None:
     middles = (said[1:] + said[:-1]) / 2 * np.diff(time)[:, None]
     summed = CubicHermiteSpline(time, np.concatenate((np.zeros((1, 3)), np.cumsum(middles, axis=0))), said)
     constant = np.ones((*rows.shape, 1))
-    return _most_likely(lambda at: _without(way[rows] - summed(time[rows] - at[0]), constant))
+
+    def left(lag: float) -> Array:
+        return _without(way[rows] - summed(time[rows] - lag), constant)
+
+    return _most_likely(left, SPANS["velocities"])
 
 
 def of_imu(imu: ImuTable, gnss: FixTable, lever_arm: tuple[float, float, float]) -> Lag | None:
@@ -110,8 +106,8 @@ def of_imu(imu: ImuTable, gnss: FixTable, lever_arm: tuple[float, float, float])
     rows = _windows(time, velocity)
     if len(rows) < WINDOWS[0]:
         return None
-    longest = float(np.max(time[rows[:, -1]] - time[rows[:, 0]])) + 2 * REACH
-    first = np.searchsorted(imu.time, time[rows[:, 0]] - REACH)
+    longest = float(np.max(time[rows[:, -1]] - time[rows[:, 0]])) + 3 * LONGEST
+    first = np.searchsorted(imu.time, time[rows[:, 0]] - 1.5 * LONGEST)
     samples = first[:, None] + np.arange(int(longest / stamps.period(imu.time)) + 2)
     samples = np.minimum(samples, len(imu.time) - 1)
     steady = ~stamps.gaps(imu.time)[samples].any(axis=1)
@@ -123,24 +119,18 @@ def of_imu(imu: ImuTable, gnss: FixTable, lever_arm: tuple[float, float, float])
     since = (time[rows] - time[rows[:, :1]])[..., None] / WINDOW
     polynomial = np.concatenate((since**0, since, since**2), axis=-1)
 
-    @lru_cache(maxsize=4)
-    def felt_at(lag: float) -> Array:
-        return np.array(
-            [interp1d(c, f, axis=0)(t - lag) for t, c, f in zip(time[rows], clock, felt, strict=True)]
-        )
+    def left(lag: float) -> Array:
+        at = time[rows] - lag
+        moved = np.array([[np.interp(t, c, v) for v in f.T] for t, c, f in zip(at, clock, felt, strict=True)])
+        return _without(velocity[rows], np.concatenate((np.swapaxes(moved, 1, 2), polynomial), axis=-1))
 
-    def left(at: Array) -> Array:
-        moved = felt_at(float(at[0])) @ np.append(1.0, at[1:])
-        return _without(velocity[rows], np.concatenate((moved, polynomial), axis=-1))
-
-    return _most_likely(left, BIASES)
+    return _most_likely(left, SPANS["imu"])
 
 
 def _felt(imu: ImuTable, samples: NDArray[np.int64], lever_arm: Array) -> Array:
     """Velocity of the antenna but for gravity, in axes that do not turn, from each window's beginning on.
 
-    Of samples of shape (w, k): it, and its derivatives by the biases of gyros and accelerometers,
-    shape (w, k, 3, 7).
+    Of samples of shape (w, k); shape (w, k, 3).
     """
     turns = Rotation.from_rotvec(imu.delta_angle[samples].reshape(-1, 3)).as_matrix()
     turns = turns.reshape(*samples.shape, 3, 3)
@@ -148,14 +138,12 @@ def _felt(imu: ImuTable, samples: NDArray[np.int64], lever_arm: Array) -> Array:
     C[:, 0] = np.eye(3)
     for k in range(1, samples.shape[1]):
         C[:, k] = C[:, k - 1] @ turns[:, k]
+    rate = imu.delta_angle[samples] / stamps.intervals(imu.time)[samples][..., None]
     middle = (C + np.roll(C, 1, axis=1)) / 2
     middle[:, 0] = C[:, 0]
-    steps = stamps.intervals(imu.time)[samples][..., None]
-    change = middle @ imu.delta_velocity[samples][..., None]
-    turned = np.cumsum(middle * steps[..., None], axis=1)
-    arm = C @ np.cross(imu.delta_angle[samples] / steps, lever_arm)[..., None]
-    by_gyros = np.cumsum(skew(change[..., 0]) @ turned, axis=1)
-    return np.concatenate((np.cumsum(change, axis=1) + arm, by_gyros, -turned), axis=-1)
+    force = np.cumsum((middle @ imu.delta_velocity[samples][..., None])[..., 0], axis=1)
+    arm: Array = (C @ np.cross(rate, lever_arm)[..., None])[..., 0]
+    return force + arm
 
 
 def _windows(time: Array, velocity: Array) -> NDArray[np.int64]:
@@ -179,37 +167,21 @@ def _without(target: Array, regressors: Array) -> Array:
     return rest
 
 
-def _most_likely(left: Callable[[Array], Array], biases: int = 0) -> Lag | None:
-    """Lag that leaves the likeliest residuals, shape (windows, fixes, 3); None if it is beyond the search.
+def _most_likely(left: Callable[[float], Array], span: float) -> Lag | None:
+    """Lag that leaves the likeliest residuals, shape (windows, fixes, 3); None if it is beyond the search."""
 
-    They depend on the lag and on biases, which begin at 0.
-    """
-
-    def losses(rest: Array) -> Array:
+    def losses(lag: float) -> Array:
+        rest = left(lag)
         of_windows: Array = rest.shape[1] / 2 * np.log(np.mean(rest**2, axis=1) + EXACT**2).sum(axis=1)
         return of_windows
 
-    def pieces(at: Array) -> tuple[Array, Array, Array]:
-        """Losses and gradients of every window, and the information."""
-        rest = left(at)
-        steps = np.diag([STEP / 2, *[LITTLE] * biases])
-        slopes = np.array([(left(at + step) - left(at - step)) / (2 * step.sum()) for step in steps])
-        power = np.mean(rest**2, axis=1) + EXACT**2
-        gradients = np.einsum("pwkc,wkc,wc->pw", slopes, rest, 1 / power)
-        return losses(rest), gradients, np.einsum("pwkc,qwkc,wc->pq", slopes, slopes, 1 / power)
-
-    def loss(at: Array) -> Loss:
-        of_windows, gradients, information = pieces(at)
-        return Loss(float(of_windows.sum()), gradients.sum(axis=1), information)
-
     lags = STEP * np.arange(-round(LONGEST / STEP), round(LONGEST / STEP) + 1)
-    tried = [float(losses(left(np.append(lag, np.zeros(biases)))).sum()) for lag in lags]
-    start = np.append(lags[int(np.argmin(tried))], np.zeros(biases))
-    most = np.append(LONGEST, np.full(biases, np.inf))
-    at, _ = descend(loss, start, -most, most, gain=1e-3, longest=STEP)
-    if abs(at[0]) == LONGEST:
-        return None
-    _, gradients, information = pieces(at)
-    inverse = np.linalg.inv(information + 1e-9 * np.eye(len(at)))
-    sigma = np.sqrt(np.diag(inverse @ (gradients @ gradients.T) @ inverse))
-    return Lag(float(at[0]), float(sigma[0]))
+    at = float(min(lags, key=lambda lag: losses(float(lag)).sum()))
+    around = np.linspace(-span, span, 7)
+    for _ in range(ROUNDS):
+        near = np.array([losses(at + off) for off in around])
+        half_curvature, gradient, _ = np.polyfit(around, near, 2)
+        if half_curvature.sum() <= 0 or abs(at) >= LONGEST:
+            return None
+        at -= float(gradient.sum() / (2 * half_curvature.sum()))
+    return Lag(at, float(np.linalg.norm(gradient - gradient.mean()) / (2 * half_curvature.sum())))

