@@ -42,7 +42,7 @@ from sim_scenarios.recording import save
 from sim_scenarios.recordings import comparison, outages, side_by_side
 from sim_scenarios.recordings.exports import Format, export
 from sim_scenarios.recordings.outages import Outages
-from sim_scenarios.recordings.replay import SETTLING, Filter, replay
+from sim_scenarios.recordings.replay import Filter, replay
 from sim_scenarios.recordings.zero_velocity import ZeroVelocity
 
 
@@ -83,8 +83,13 @@ def replay_recording(
         typer.Option(help="File with a reference, in the place of the recording's own.", show_default=False),
     ] = None,
     evaluate_after: Annotated[
-        float, typer.Option(help="Seconds after the start from which on the result is judged.")
-    ] = SETTLING,
+        float | None,
+        typer.Option(
+            help="Seconds after the start from which on the result is judged; by default 60, or half of a "
+            "shorter recording.",
+            show_default=False,
+        ),
+    ] = None,
     export_: Annotated[
         list[Format] | None,
         typer.Option(

@@ -37,7 +37,7 @@ from sim_scenarios.exchange.system import Component, System, of_scenario
 from sim_scenarios.fmus import PLAYBACK, Fmus
 from sim_scenarios.folders import filled, temporary
 from sim_scenarios.recordings.description import load
-from sim_scenarios.recordings.replay import SETTLING, Filter
+from sim_scenarios.recordings.replay import Filter
 from sim_scenarios.recordings.replay import replay as replay_recording
 from sim_scenarios.recordings.start import Start
 from sim_scenarios.recordings.tables import Recording
@@ -130,10 +130,7 @@ def export_recording(
         system = of_recording(recording, start, Path(place), task=task, settings=set, fmus=fmus, step=step)
 
         def page() -> bytes:
-            judged = min(SETTLING, system.stop / 2)
-            run = replay_recording(
-                recording, start, filter=task, evaluate_after=judged, set=of_filters, fmus=fmus
-            )
+            run = replay_recording(recording, start, filter=task, set=of_filters, fmus=fmus)
             return report.report_replay(run, Path(place) / "report").read_bytes()
 
         _write(system, folder, dict(set), page)

@@ -17,7 +17,7 @@ from sim_scenarios.fmus import PLAYBACK, Fmu, Fmus, Number
 from sim_scenarios.names import file_name
 from sim_scenarios.recordings import reference as references
 from sim_scenarios.recordings.feed import SAME_MOMENT, Feed, feed
-from sim_scenarios.recordings.replay import Filter, parts_of, values_of
+from sim_scenarios.recordings.replay import Filter, believed, parts_of, values_of
 from sim_scenarios.recordings.start import Start, beginning
 from sim_scenarios.recordings.tables import Recording, ReferenceTable
 
@@ -90,18 +90,17 @@ def of_recording(
     InputError
         When the recording lacks what is needed, or a setting is wrong.
     """
-    begun = beginning(recording, start)
-    fed = feed(recording, begun.time)
-    source = playback(fmus[PLAYBACK], folder, fed, recording.reference)
-    parts = parts_of(task, fmus)
-    of_source: dict[str, Number] = {"recording.skip": source.start("recording.skip")}
+    begun, parts, template = beginning(recording, start), parts_of(task, fmus), fmus[PLAYBACK]
+    of_source: dict[str, Number] = {"recording.skip": template.start("recording.skip")}
     of_filters = {}
     for name, value in settings.items():
-        if source.has_parameter(name):
-            of_source |= source.assignments(name, value)
+        if template.has_parameter(name):
+            of_source |= template.assignments(name, value)
         else:
             of_filters[name] = value
     values, _ = values_of(parts, recording, begun, of_filters)
+    fed = feed(believed(recording, values), begun.time)
+    source = playback(template, folder, fed, recording.reference)
     step = signals.suitable_step(fed.time) if step is None else step
     steps = int(np.ceil((fed.time[-1] - fed.time[0] - SAME_MOMENT) / step)) + 1  # the filter is one behind
     row = round(OUTPUT_INTERVAL / step)

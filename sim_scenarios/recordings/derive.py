@@ -109,8 +109,7 @@ class Derivation:
         lines = [f"# Noise of {self.recording!a}, for {self.fmu.name}; [a, b]: 95 % interval.", ""]
         if self.drive is not None:
             lines[1:1] = [
-                "# measurement.* is not used of fixes that come with sigmas of their own; position_sigma and",
-                "# velocity_sigma in the recording file replace those.",
+                "# Of fixes that tell their sigmas, `replay` takes the larger of those and measurement.*.",
             ]
         for finding in self.findings:
             lines += [f"# {line}" for line in finding.evidence]
@@ -273,6 +272,8 @@ def _of_drive(drive: FromDrive) -> Iterator[Finding]:
     where = f"drive, {drive.begin:g} to {drive.end:g} s, {len(innovations.time)} fixes"
     for name, estimate in drive.fit.estimates.items():
         evidence = f"{where}: innovations most likely with {_interval(estimate)} (SI)"
+        if drive.believes and name.startswith("measurement."):
+            evidence += ", where a fix does not tell a larger one"
         yield Finding(name, tail * estimate.value if estimate.lower > 0 else None, (evidence, *widened))
     fits = (
         f"the mean square of the standardised innovations is {np.mean(z**2):.3f}, and "

@@ -11,11 +11,11 @@ import numpy as np
 
 from sim_scenarios import toml
 from sim_scenarios.errors import InputError
-from sim_scenarios.recordings import axes, checks, clocks, fixes, stamps
+from sim_scenarios.recordings import axes, checks, clocks, fixes, simultaneity, stamps
 from sim_scenarios.recordings.order import in_order
 from sim_scenarios.recordings.readers import delimited, formats, sheets
 from sim_scenarios.recordings.readers.contents import Axes, Clock, Contents, Inertial
-from sim_scenarios.recordings.sources import Description, ImuSource, Source, describe
+from sim_scenarios.recordings.sources import Description, GnssSource, ImuSource, Source, describe
 from sim_scenarios.recordings.tables import Array, ImuTable, LeverArms, Recording
 
 TABLES: Final[Mapping[str, tuple[str, Callable[..., Contents]]]] = {
@@ -27,6 +27,9 @@ TABLES: Final[Mapping[str, tuple[str, Callable[..., Contents]]]] = {
     "reference": ("reference", delimited.reference),
 }
 """Tables of a description: what they are called in a recording, and what reads them of a text file."""
+
+FOUND: Final = "found"
+"""Offset that is found of the motion."""
 
 _AXES_OF_READER: Final = {
     None: axes.BODY,
@@ -152,12 +155,12 @@ def _to_body(said: ImuSource, imu: Inertial) -> Array:
 def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_arms: LeverArms) -> Recording:
     in_time = [_in_order(one) for one in read]
     of_tables = [
-        clocks.Stamps(f"{one.path}, {one.name}", one.clock, one.epoch, table.time, one.source.offset)
+        clocks.Stamps(f"{one.path}, {one.name}", one.clock, one.epoch, table.time, _told_offset(one))
         for one, (table, _) in zip(read, in_time, strict=True)
     ]
     times = clocks.on_one_clock(of_tables)
     tables = {
-        TABLES[one.name][0]: _with_sigmas(replace(table, time=time), one.source)
+        TABLES[one.name][0]: _as_described(replace(table, time=time), one.source)
         for one, (table, _), time in zip(read, in_time, times, strict=True)
     }
     remarks = [remark for one in read for remark in one.contents.remarks]
@@ -171,7 +174,43 @@ def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_a
         **tables,
     )
     checks.refuse(recording, path)
-    return recording
+    moved = next((one.name for one in read if one.source.offset == FOUND), None)
+    return _simultaneous(recording, moved)
+
+
+def _told_offset(one: _Read) -> float:
+    if one.source.offset != FOUND:
+        return float(one.source.offset)
+    if one.name in ("imu", "gnss"):
+        return 0.0
+    raise InputError(
+        f"{one.path}, {one.name}: offset = '{FOUND}': it is found of the IMU or of the fixes alone"
+    )
+
+
+def _simultaneous(recording: Recording, moved: str | None) -> Recording:
+    """Recording of which IMU or fixes are moved so that one goes with the other; else what would is said."""
+    gnss = recording.gnss
+    if gnss is None:
+        return recording
+    said = []
+    if (lag := simultaneity.of_velocities(gnss)) is not None and lag.is_certain:
+        said.append(
+            f"gnss: velocities go with the positions of {abs(lag.value):.3f} s "
+            f"{'before' if lag.value < 0 else 'after'} their stamps; say velocity_offset = {lag.value:.3f}"
+        )
+        gnss = fixes.with_velocities_later(gnss, lag.value)
+    lag = simultaneity.of_imu(recording.imu, gnss, recording.lever_arms.gnss)
+    if lag is None or not lag.is_certain:
+        return replace(recording, remarks=(*recording.remarks, *said))
+    late = f"imu: its samples go with the fixes with offset = {lag.value:.3f} (sigma {lag.sigma:.2g} s)"
+    if moved is None:
+        said.append(f"{late}; say so, or offset = '{FOUND}'")
+        return replace(recording, remarks=(*recording.remarks, *said))
+    table, by = getattr(recording, moved), lag.value if moved == "imu" else -lag.value
+    tables: dict[str, Any] = {moved: replace(table, time=table.time + by)}
+    said.append(f"{late}; the stamps of {moved} were moved by {by:.3f} s")
+    return replace(recording, **tables, remarks=(*recording.remarks, *said))
 
 
 def _in_order(one: _Read) -> tuple[Any, list[str]]:
@@ -195,8 +234,10 @@ def _increments(imu: Inertial, to_body: Array, path: Path) -> ImuTable:
         )
 
 
-def _with_sigmas(table: Any, source: Source) -> Any:
-    """Table with the sigmas of its description, where there are any."""
+def _as_described(table: Any, source: Source) -> Any:
+    """Table with the sigmas of its description, where there are any, and its velocities at its stamps."""
+    if isinstance(source, GnssSource) and source.velocity_offset:
+        table = fixes.with_velocities_later(table, source.velocity_offset)
     given = {
         name: np.broadcast_to(np.array(sigma), getattr(table, name).shape)
         for name in ("position_sigma", "velocity_sigma", "sigma")

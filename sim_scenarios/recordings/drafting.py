@@ -13,9 +13,19 @@ from typing import Any, Final
 import numpy as np
 
 from sim_scenarios.errors import InputError
-from sim_scenarios.recordings import ahead, clocks, forces, guessed_tables, guesses, stamps, turns
+from sim_scenarios.recordings import (
+    ahead,
+    clocks,
+    forces,
+    guessed_tables,
+    guesses,
+    simultaneity,
+    stamps,
+    turns,
+)
 from sim_scenarios.recordings.clocks import Stamps
-from sim_scenarios.recordings.description import TABLES
+from sim_scenarios.recordings.description import FOUND, TABLES
+from sim_scenarios.recordings.fixes import with_velocities_later
 from sim_scenarios.recordings.guesses import Guess
 from sim_scenarios.recordings.readers import formats, plain, sheets
 from sim_scenarios.recordings.readers.columns import likely
@@ -95,6 +105,10 @@ def draft(files: Sequence[Path], folder: Path) -> tuple[str, list[str]]:
     for table in ("gnss", "body_velocity"):
         if table in parts:
             parts[table].entries["lever_arm"] = LEVER_ARM
+    if "gnss" in parts and (lag := simultaneity.of_velocities(parts["gnss"].rows)) and lag.is_certain:
+        why = f"so positions and velocities go together; sigma {lag.sigma:.2g} s"
+        parts["gnss"].entries["velocity_offset"] = Guess(round(lag.value, 4), why)
+    _guess_offset(parts)
     return _text(ordered, left_out, folder), left_out + [
         f"{part.table}.{key} = {_toml(guess.value)}: {guess.why}"
         for part in ordered
@@ -220,6 +234,29 @@ def _guess_axes(imu: Part, gnss: Part | None) -> None:
             time, of_fixes = clocks.on_one_clock([imu.stamps(), gnss.stamps()])
             forward = ahead.find(replace(table, time=time), replace(gnss.rows, time=of_fixes))
     imu.entries["axes"] = guesses.axes(forces.mean_direction(table), forward)
+
+
+def _guess_offset(parts: dict[str, Part]) -> None:
+    """Whether an IMU and fixes from different files are late against one another, by how they move.
+
+    A host stamps all that it records when it arrives: its IMU moves, unless other tables are on its clock.
+    """
+    imu, gnss = parts["imu"], parts.get("gnss")
+    if gnss is None or gnss.path == imu.path or (gnss.clock is Clock.OWN) != (imu.clock is Clock.OWN):
+        return
+    with suppress(InputError):  # of spans that do not overlap, which loading the description tells
+        time, of_fixes = clocks.on_one_clock([imu.stamps(), gnss.stamps()])
+        fixes = replace(gnss.rows, time=of_fixes)
+        if offset := gnss.entries.get("velocity_offset"):
+            fixes = with_velocities_later(fixes, offset.value)
+        lag = simultaneity.of_imu(replace(_increments(imu), time=time), fixes, (0.0, 0.0, 0.0))
+        if lag is not None and lag.is_certain:
+            alone = all(part is imu or part.path != imu.path for part in parts.values())
+            why = (
+                f"{lag.value if alone else -lag.value:.3f} s, by how IMU and fixes move, lever arm 0; "
+                "found again, with the lever arm, when this is read"
+            )
+            (imu if alone else gnss).entries["offset"] = Guess(FOUND, why)
 
 
 def _increments(imu: Part) -> ImuTable:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim_scenarios.earth import displacement
+from sim_scenarios.recordings import stamps
 from sim_scenarios.recordings.tables import FixTable
 
 Array = NDArray[np.float64]
@@ -34,6 +35,34 @@ def before_the_first(fixes: FixTable) -> NDArray[np.bool_]:
     nowhere = np.asarray((fixes.position[:, :2] == 0).all(axis=1))
     nowhere[first:] = False
     return nowhere
+
+
+def with_velocities_later(fixes: FixTable, offset: float) -> FixTable:
+    """Fixes whose velocities held so many seconds after their stamps.
+
+    They are interpolated to the stamps; where there is a gap between those that a stamp lies between, the
+    velocity is not a number.
+    """
+    held = fixes.time + offset
+    velocity = np.stack([np.interp(fixes.time, held, v, np.nan, np.nan) for v in fixes.velocity.T], axis=-1)
+    after = np.searchsorted(held, fixes.time)
+    apart = np.append(stamps.gaps(fixes.time), True)[after]
+    velocity[apart & (held[np.minimum(after, len(held) - 1)] != fixes.time)] = np.nan
+    return replace(fixes, velocity=velocity)
+
+
+def no_surer_than(
+    fixes: FixTable,
+    *,
+    position: float | None = None,
+    height: float | None = None,
+    velocity: float | None = None,
+) -> FixTable:
+    """Fixes whose sigmas are at least so large [m], [m], [m/s]; what they do not tell stays untold."""
+    least = np.array([position, position, height], dtype=float), np.full(3, velocity, dtype=float)
+    told = fixes.position_sigma, fixes.velocity_sigma
+    raised = (np.where(s > 0, np.fmax(s, a), s) for s, a in zip(told, least, strict=True))
+    return replace(fixes, **dict(zip(("position_sigma", "velocity_sigma"), raised, strict=True)))
 
 
 def velocities(fixes: FixTable) -> Array:

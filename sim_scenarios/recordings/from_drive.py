@@ -126,10 +126,13 @@ class DriveFit:
         In SI units, by name of parameter. With a lower end of 0 the innovations do not show it.
     innovations : Innovations
         With these parameters.
+    loss : float
+        Negative logarithm of their likelihood.
     """
 
     estimates: dict[str, Estimate]
     innovations: Innovations
+    loss: float
 
 
 def fit(replay: Replay, start: Mapping[str, float], progress: Progress = lambda _: None) -> DriveFit:
@@ -175,7 +178,7 @@ def fit(replay: Replay, start: Mapping[str, float], progress: Progress = lambda 
 
     low, high = begin - np.log(_RANGE), begin + np.log(_RANGE)
     at, _ = descend(loss, begin, low, high, gain=0.05, longest=1.5)
-    _, gradients, information = pieces(at)
+    losses, gradients, information = pieces(at)
     scatter = np.array([part.sum(axis=1) for part in np.array_split(gradients, PIECES, axis=1)])
     inverse = np.linalg.inv(information + 1e-9 * np.eye(len(names)))
     sigma = np.sqrt(np.diag(inverse @ (scatter.T @ scatter) @ inverse))
@@ -186,7 +189,7 @@ def fit(replay: Replay, start: Mapping[str, float], progress: Progress = lambda 
         for name, value, reach in zip(names, at, width, strict=True)
     }
     progress(1.0)
-    return DriveFit(estimates, innovations(at))
+    return DriveFit(estimates, innovations(at), float(losses.sum()))
 
 
 @dataclass(frozen=True)
@@ -199,12 +202,16 @@ class FromDrive:
         Of `FACTORS`.
     biases : dict of str to ndarray, shape (2, 3)
         Bias at the end of each axis of "gyro" and "accelerometer", and its sigma [SI].
+    believes : bool
+        Whether the innovations are likelier with the sigmas that fixes tell, raised where they are below
+        those of `fit`, than with those of `fit` alone. False where fixes tell none.
     """
 
     begin: float
     end: float
     fit: DriveFit
     biases: dict[str, Array]
+    believes: bool
 
 
 def moves(recording: Recording) -> bool:
@@ -228,7 +235,7 @@ def from_drive(
     Parameters
     ----------
     recording : Recording
-        With fixes; what they say of their own sigmas does not count.
+        With fixes. What they say of their own sigmas counts where the innovations are likelier with it.
     start : Start, optional
         By default with the course of the first fix that is fast enough.
     told : mapping of str to float, optional
@@ -245,51 +252,74 @@ def from_drive(
     """
     if recording.gnss is None:
         raise InputError(f"{recording.name}: has no fixes, and only they tell of a drive")
-    gnss, imu = _spaced(recording.gnss), _joined(recording.imu)
-    recording = replace(recording, imu=imu, gnss=gnss, reference=None)
+    gnss = _spaced(recording.gnss)
+    variants = [_untold(gnss), gnss] if gnss.position_sigma.any() or gnss.velocity_sigma.any() else [gnss]
+    recording = replace(recording, imu=_joined(recording.imu), reference=None)
     start, fmus = start or Start(course_above=COURSE_ABOVE), fmus or Fmus()
     settings = {**FILTER, **PRIORS, **(told or {})}
+    drives = [_Drive(replace(recording, gnss=variant), start, settings, fmus) for variant in variants]
 
-    def run(parameters: Mapping[str, float]) -> xr.Dataset:
-        prior = {f"prior.{x}": parameters[f"measurement.{x}"] for x in ("position_sigma", "height_sigma")}
-        return replayed(
-            recording, start, filter=Filter.navigation, set={**prior, **settings, **parameters}, fmus=fmus
-        )
+    def of_part(i: int) -> Progress:
+        return lambda done: progress((i + done) / len(drives))
 
-    def replay(parameters: Mapping[str, float]) -> Innovations:
-        data = run(parameters)
-        time = data["fix_time"].values
-        settled = time > float(data["time"].values[0]) + SETTLING
-        if np.count_nonzero(settled) < FEWEST:
-            raise InputError(
-                f"{recording.name}: {np.count_nonzero(settled)} fixes later than {SETTLING:g} s after the "
-                f"start; at least {FEWEST} are needed"
-            )
-        residual, sigma = (data[name].values[settled] for name in ("innovation", "innovation_sigma"))
-        return Innovations(time[settled], residual, sigma)
-
-    found = fit(replay, FACTORS, progress)
-    data = run({name: estimate.value for name, estimate in found.estimates.items()})
+    fits = [fit(drive.innovations, FACTORS, of_part(i)) for i, drive in enumerate(drives)]
+    best = min(range(len(fits)), key=lambda i: fits[i].loss)
+    data = drives[best].run({name: estimate.value for name, estimate in fits[best].estimates.items()})
     biases = {
         sensor: np.array([data[f"{sensor}_bias{of}"].values[-1] for of in ("", "_sigma")])
         for sensor in ("gyro", "accelerometer")
     }
-    time = found.innovations.time
-    return FromDrive(float(time[0]), float(time[-1]), found, biases)
+    time = fits[best].innovations.time
+    return FromDrive(float(time[0]), float(time[-1]), fits[best], biases, best > 0)
+
+
+@dataclass(frozen=True)
+class _Drive:
+    """A recording through the filter."""
+
+    recording: Recording
+    start: Start
+    settings: Mapping[str, object]
+    fmus: Fmus
+
+    def run(self, parameters: Mapping[str, float]) -> xr.Dataset:
+        """Replay; the start is known as well as the worst fix."""
+        gnss = self.recording.gnss
+        worst = np.zeros(3) if gnss is None else np.max(gnss.position_sigma, axis=0)
+        prior = {
+            f"prior.{name}": max(parameters[f"measurement.{name}"], float(np.max(sigma)))
+            for name, sigma in (("position_sigma", worst[:2]), ("height_sigma", worst[2:]))
+        }
+        told = {**prior, **self.settings, **parameters}
+        return replayed(self.recording, self.start, filter=Filter.navigation, set=told, fmus=self.fmus)
+
+    def innovations(self, parameters: Mapping[str, float]) -> Innovations:
+        """After the settling."""
+        data = self.run(parameters)
+        time = data["fix_time"].values
+        settled = time > float(data["time"].values[0]) + SETTLING
+        if np.count_nonzero(settled) < FEWEST:
+            raise InputError(
+                f"{self.recording.name}: {np.count_nonzero(settled)} fixes later than {SETTLING:g} s after "
+                f"the start; at least {FEWEST} are needed"
+            )
+        residual, sigma = (data[name].values[settled] for name in ("innovation", "innovation_sigma"))
+        return Innovations(time[settled], residual, sigma)
+
+
+def _untold(gnss: FixTable) -> FixTable:
+    """Fixes without sigmas of their own."""
+    nothing = np.zeros_like(gnss.position_sigma)
+    return replace(gnss, position_sigma=nothing, velocity_sigma=nothing)
 
 
 def _spaced(gnss: FixTable) -> FixTable:
-    """Fixes with some time between them, without sigmas of their own."""
+    """Fixes with some time between them."""
     chosen, last = np.zeros(len(gnss.time), dtype=bool), -np.inf
     for row, time in enumerate(gnss.time.tolist()):
         if time > last + FIX_SPACING * (1 - 1e-3):
             chosen[row], last = True, time
-    gnss = selected(gnss, chosen)
-    return replace(
-        gnss,
-        position_sigma=np.zeros_like(gnss.position_sigma),
-        velocity_sigma=np.zeros_like(gnss.velocity_sigma),
-    )
+    return selected(gnss, chosen)
 
 
 def _joined(imu: ImuTable) -> ImuTable:

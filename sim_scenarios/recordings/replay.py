@@ -50,6 +50,13 @@ ANY_HEADING: Final[Mapping[str, object]] = {
     "corrector": "standard",
 }
 """An AlignmentFilter that needs no heading to start from."""
+LEAST_SIGMAS: Final[Mapping[str, str]] = {
+    "position": "measurement.position_sigma",
+    "height": "measurement.height_sigma",
+    "velocity": "measurement.velocity_sigma",
+}
+"""Parameters below which, where they are told, no recorded fix is believed: a receiver does not know of late
+stamps, of how its antenna moves and of errors that do not change from fix to fix."""
 NO_COARSE_STAGE: Final = (
     "no fix has both position and velocity whole, as the coarse stage needs: the alignment begins without it "
     "(coarse.enabled = false)"
@@ -72,7 +79,7 @@ def replay(
     zero_velocity: ZeroVelocity | None = None,
     outages: Outages | None = None,
     reference: str | Path | None = None,
-    evaluate_after: float = SETTLING,
+    evaluate_after: float | None = None,
     set: Mapping[str, object] | None = None,  # noqa: A002
     progress: Progress = lambda _: None,
     fmus: Fmus | None = None,
@@ -94,12 +101,14 @@ def replay(
         Times in which the filter gets no fix.
     reference : str or Path, optional
         File with a reference in the place of the recording's own.
-    evaluate_after : float
-        Seconds after the start from which on the result is judged.
+    evaluate_after : float, optional
+        Seconds after the start from which on the result is judged; by default 60, or half of what there is.
     set : mapping, optional
         Parameters by name, in SI units or with a unit. Of an alignment before navigation, those of
         AlignmentFilter begin with `alignment.`, those of NavigationFilter with `filter.`; without either they
-        are for both where both have them. By default an alignment has no coarse stage where no fix is whole.
+        are for both where both have them. Sigmas that recorded fixes have of their own are raised to those of
+        `measurement.*` of the (navigation) filter, where these are told. By default an alignment has no
+        coarse stage where no fix is whole.
     progress : callable
         Called with the completed share.
     fmus : Fmus, optional
@@ -128,12 +137,16 @@ def replay(
     begun = beginning(recording, start)
     parts = parts_of(task, fmus)
     values, without_coarse_stage = values_of(parts, recording, begun, set or {})
+    if zero_velocity is None:
+        recording = believed(recording, values)
     fed = feed(recording, begun.time)
     windows = outages.windows(begun.time, float(fed.time[-1])) if outages else np.empty((0, 2))
     if recording.gnss is not None and len(windows):
         received = fixes.selected(recording.gnss, ~within(recording.gnss.time, windows))
         fed = feed(changed(recording, gnss=received), begun.time)
     remarks = [remark for remark in (*checks.doubts(recording), fed.remark, without_coarse_stage) if remark]
+    if evaluate_after is None:
+        evaluate_after = min(SETTLING, float(fed.time[-1] - fed.time[0]) / 2)
     data, said = _run(parts, values, fed, recording.reference, fmus, progress)
     data = _with_receiver(data, recording.gnss, fed, windows)
     arm = [values["filter"].get(f"gnss.lever_arm[{i}]", 0.0) for i in (1, 2, 3)]
@@ -160,6 +173,14 @@ def replay(
         **({} if recording.epoch is None else {"epoch": recording.epoch}),
     }
     return data
+
+
+def believed(recording: Recording, values: Values) -> Recording:
+    """Recording whose fixes are no surer than `measurement.*` of the (navigation) filter is told."""
+    if recording.gnss is None:
+        return recording
+    least = {kind: values["filter"].get(name) for kind, name in LEAST_SIGMAS.items()}
+    return changed(recording, gnss=fixes.no_surer_than(recording.gnss, **least))
 
 
 def parts_of(task: Filter, fmus: Fmus) -> dict[str, Fmu]:

@@ -22,18 +22,20 @@ has
     columns     names or numbers of columns of a text file; a minus in front turns the sign
     units       of these columns; those of the angular column decide between rates and increments
     clock       gps, unix, gps-week, gps-day, utc-day, own
-    offset      seconds to add to its stamps
+    offset      seconds to add to its stamps; of the IMU or of the fixes "found": those with which one goes
+                with the other, see `recordings.simultaneity`
     stamps      "recorded"; "sorted": brought in order; "steady": moved onto the sensor's own steady clock
 
-and sigmas [SI, or "1 deg"], which hold in the place of those of the file. A sample of rates covers the step
-that ends at its stamp; after a gap one ordinary period, so that the gap stays one.
+of fixes `velocity_offset`, the seconds from a stamp to when its velocity held: receivers that smooth it have
+less than 0; and sigmas [SI, or "1 deg"], which hold in the place of those of the file. A sample of rates
+covers the step that ends at its stamp; after a gap one ordinary period, so that the gap stays one.
 """
 
 from __future__ import annotations
 
 from enum import Enum
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
@@ -86,7 +88,7 @@ class Source(_Said):
     file: Path | None = None
     format: str | None = None
     clock: Clock | None = None
-    offset: float = 0.0
+    offset: float | Literal["found"] = 0.0
     stamps: StampsAre = StampsAre.RECORDED
 
 
@@ -106,6 +108,7 @@ class GnssSource(Source):
     columns: layouts.GnssColumns | None = None
     units: layouts.GnssUnits = layouts.GnssUnits()
     lever_arm: Vector = (0.0, 0.0, 0.0)
+    velocity_offset: float = 0.0
     position_sigma: LengthSigmas | None = None
     velocity_sigma: VelocitySigmas | None = None
 

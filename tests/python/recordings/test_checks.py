@@ -248,6 +248,9 @@ file = "{CAR / "gnss.pos.gz"}"
     ],
 )
 def test_faults_of_a_real_drive_are_named(tmp_path: Path, wrong: dict[str, str], words: str) -> None:
-    assert doubts(load(car(tmp_path))) == []
+    velocities, imu = doubts(load(car(tmp_path)))  # a receiver that smooths, and a host that stamps late
+    assert "gnss: velocities go with the positions of 0.1" in velocities
+    assert "s before their stamps; say velocity_offset = -0.1" in velocities
+    assert "imu: its samples go with the fixes with offset = -0.0" in imu
     with pytest.raises(InputError, match=words):
         load(car(tmp_path, **wrong))
