@@ -17,6 +17,8 @@ using Found = std::optional<Flaw>;
 
 // The path that shows in a position of double precision, whatever the place [m].
 constexpr double kVisible = 1e-6;
+// The turn that shows in an attitude of double precision [rad].
+constexpr double kTurned = 1e-12;
 // What positions may be off beside what velocities say [m].
 constexpr double kPositionSlack = 1.0;
 
@@ -114,9 +116,12 @@ bool equal(const KnownPoint& a, const KnownPoint& b) {
            a.q_bn.coeffs() == b.q_bn.coeffs();
 }
 
-// It says that it moves, and is to the bit as it was: a state that is shown once more.
+// It says that it moves or turns, and is to the bit as it was: a state that is shown once more.
 bool held(const KnownPoint& from, const KnownPoint& to) {
-    return equal(from, to) && to.velocity.norm() * (to.time - from.time) > kVisible;
+    const double elapsed = to.time - from.time;
+    const bool moves = to.velocity.norm() * elapsed > kVisible;
+    const bool turns = to.body_rate.allFinite() && to.body_rate.norm() * elapsed > kTurned;
+    return equal(from, to) && (moves || turns);
 }
 
 }  // namespace

@@ -196,6 +196,7 @@ void Playback::put_out_truth() {
         .accelerometer_bias = vector(nothing),
         .clock_bias = unknown,
         .clock_drift = unknown,
+        .time = simulated(outputs.recording.time),
     };
 }
 

@@ -25,7 +25,9 @@ constexpr std::size_t word = 8;
 constexpr double most = std::numeric_limits<int>::max();  // that a count reaches
 
 std::vector<std::byte> content(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    // Without a folder it would be whatever lies where the tool runs.
+    std::ifstream file(path.has_parent_path() ? path : std::filesystem::path(),
+                       std::ios::binary | std::ios::ate);
     const std::streamoff size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
     if (size < 0) {
         throw std::runtime_error(

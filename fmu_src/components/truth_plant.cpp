@@ -164,6 +164,7 @@ ExternalVehicle::Verdict TruthPlant::look(double begin) {
     ExternalVehicle& vehicle = state_.vehicle;
     const Verdict verdict = vehicle.read(inputs.external, stamp, end_of(state_.due));
     if (verdict == Verdict::begun) {
+        state_.begun = {};
         const double first =
             std::ceil((vehicle.from().time - state_.start_time) * rate - truth_plant::kWhole);
         if (first > static_cast<double>(state_.samples)) {

@@ -116,8 +116,12 @@ std::filesystem::path folder_of(std::string_view location) {
         auto byte = static_cast<unsigned char>(rest[i]);
         if (rest[i] == '%' && i + 2 < rest.size()) {
             const std::string_view digits = rest.substr(i + 1, 2);
-            std::from_chars(std::to_address(digits.begin()), std::to_address(digits.end()), byte, 16);
-            i += digits.size();
+            const char* const end = std::to_address(digits.end());
+            unsigned char decoded = 0;
+            if (std::from_chars(std::to_address(digits.begin()), end, decoded, 16).ptr == end) {
+                byte = decoded;  // else a tool has not escaped its path, and means the sign itself
+                i += digits.size();
+            }
         }
         path += static_cast<char8_t>(byte);
     }

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from sim_scenarios.archives import read_archive, write_archive
+from sim_scenarios.errors import InputError
 from sim_scenarios.exchange import signals
 from sim_scenarios.exchange.forms import FORMS
 from sim_scenarios.exchange.reference import OUTPUT_INTERVAL
@@ -93,6 +94,13 @@ def of_recording(
     begun, parts, template = beginning(recording, start), parts_of(task, fmus), fmus[PLAYBACK]
     of_source: dict[str, Number] = {"recording.skip": template.start("recording.skip")}
     of_filters = {}
+    if "recording.skip" in settings:
+        raise InputError(
+            f"recording.skip = {settings['recording.skip']}: an exported filter starts where its recording "
+            "begins; set it in the tool, and initial.* of the filter to what holds then"
+        )
+    if step is not None and not (np.isfinite(step) and step > 0):
+        raise InputError(f"step = {step:g}: must be positive [s]")
     for name, value in settings.items():
         if template.has_parameter(name):
             of_source |= template.assignments(name, value)
@@ -103,7 +111,7 @@ def of_recording(
     source = playback(template, folder, fed, recording.reference)
     step = signals.suitable_step(fed.time) if step is None else step
     steps = int(np.ceil((fed.time[-1] - fed.time[0] - SAME_MOMENT) / step)) + 1  # the filter is one behind
-    row = round(OUTPUT_INTERVAL / step)
+    row = max(1, round(OUTPUT_INTERVAL / step))
     checked = min(steps // row, round(CHECKED / OUTPUT_INTERVAL)) * row or steps
     plan = Plan(
         file_name(recording.name), f"{recording.name}, {begun.words}", steps * step, step, checked * step

@@ -175,7 +175,9 @@ def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_a
     )
     checks.refuse(recording, path)
     moved = next((one.name for one in read if one.source.offset == FOUND), None)
-    return _simultaneous(recording, moved)
+    told = {one.name: _told_offset(one) for one in read}
+    said = next((s.velocity_offset for one in read if isinstance(s := one.source, GnssSource)), 0.0)
+    return _simultaneous(recording, moved, told["imu"], said)
 
 
 def _told_offset(one: _Read) -> float:
@@ -188,24 +190,38 @@ def _told_offset(one: _Read) -> float:
     )
 
 
-def _simultaneous(recording: Recording, moved: str | None) -> Recording:
-    """Recording of which IMU or fixes are moved so that one goes with the other; else what would is said."""
+def _simultaneous(
+    recording: Recording, moved: str | None, told: float, told_of_velocities: float
+) -> Recording:
+    """Recording of which IMU or fixes are moved so that one goes with the other; else what would is said.
+
+    `told` is the offset of the IMU that the description has [s], and of velocities their own.
+    """
     gnss = recording.gnss
     if gnss is None:
         return recording
     said = []
     if (lag := simultaneity.of_velocities(gnss)) is not None and lag.is_certain:
+        offset = told_of_velocities + lag.value
         said.append(
-            f"gnss: velocities go with the positions of {abs(lag.value):.3f} s "
-            f"{'before' if lag.value < 0 else 'after'} their stamps; say velocity_offset = {lag.value:.3f}"
+            f"gnss: velocities go with the positions of {abs(offset):.3f} s "
+            f"{'before' if offset < 0 else 'after'} their stamps; say velocity_offset = {offset:.3f}"
         )
         gnss = fixes.with_velocities_later(gnss, lag.value)
     lag = simultaneity.of_imu(recording.imu, gnss, recording.lever_arms.gnss)
     if lag is None or not lag.is_certain:
+        if moved is not None:
+            shown = (
+                "none" if lag is None else f"{lag.value:.3f} s, sigma {lag.sigma:.2g} s, which may be chance"
+            )
+            said.append(f"{moved}: offset = '{FOUND}': how IMU and fixes move shows {shown}; stamps stay")
         return replace(recording, remarks=(*recording.remarks, *said))
-    late = f"imu: its samples go with the fixes with offset = {lag.value:.3f} (sigma {lag.sigma:.2g} s)"
+    late = (
+        f"imu: its samples go with the fixes with offset = {told + lag.value:.3f} (sigma {lag.sigma:.2g} s)"
+    )
     if moved is None:
-        said.append(f"{late}; say so, or offset = '{FOUND}'")
+        ahead = "" if any(recording.lever_arms.gnss) else ", if the lever arm, which is 0 here, is right"
+        said.append(f"{late}; say so, or offset = '{FOUND}'{ahead}")
         return replace(recording, remarks=(*recording.remarks, *said))
     table, by = getattr(recording, moved), lag.value if moved == "imu" else -lag.value
     tables: dict[str, Any] = {moved: replace(table, time=table.time + by)}

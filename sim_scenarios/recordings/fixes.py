@@ -40,14 +40,20 @@ def before_the_first(fixes: FixTable) -> NDArray[np.bool_]:
 def with_velocities_later(fixes: FixTable, offset: float) -> FixTable:
     """Fixes whose velocities held so many seconds after their stamps.
 
-    They are interpolated to the stamps; where there is a gap between those that a stamp lies between, the
-    velocity is not a number.
+    They are interpolated to the stamps, each component between those that have it; where there is a gap
+    between the two that a stamp lies between, it is not a number.
     """
-    held = fixes.time + offset
-    velocity = np.stack([np.interp(fixes.time, held, v, np.nan, np.nan) for v in fixes.velocity.T], axis=-1)
-    after = np.searchsorted(held, fixes.time)
-    apart = np.append(stamps.gaps(fixes.time), True)[after]
-    velocity[apart & (held[np.minimum(after, len(held) - 1)] != fixes.time)] = np.nan
+    velocity = np.full_like(fixes.velocity, np.nan)
+    for axis, said in enumerate(fixes.velocity.T):
+        has = np.isfinite(said)
+        if not has.any():
+            continue
+        held = fixes.time[has] + offset
+        moved = np.interp(fixes.time, held, said[has], np.nan, np.nan)
+        after = np.searchsorted(held, fixes.time)
+        apart = np.append(stamps.gaps(held), True)[after]
+        moved[apart & (held[np.minimum(after, len(held) - 1)] != fixes.time)] = np.nan
+        velocity[:, axis] = moved
     return replace(fixes, velocity=velocity)
 
 

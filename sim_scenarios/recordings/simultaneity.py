@@ -50,6 +50,9 @@ SPANS: Final = {"velocities": 0.015, "imu": 0.06}
 ROUNDS: Final = 5
 FACTOR: Final = 3.3
 """Sigmas that a lag must have to be told: one in a thousand is by chance."""
+EVIDENCE: Final = (3.0, 2.0)
+"""By how much a lag must be likelier than those at the ends of the search: logarithm of the likelihood in an
+average window, and standard deviations of that mean. Noise alone has its best lag anywhere."""
 LEAST: Final = 0.03
 """Lag that is worth being told [s]; what is less is within what sensors and receivers do."""
 EXACT: Final = 1e-6
@@ -70,15 +73,21 @@ class Lag:
 
 
 def of_velocities(gnss: FixTable) -> Lag | None:
-    """Lag of the velocities of fixes behind their positions; None where nothing shows it."""
-    known = np.isfinite(np.hstack((gnss.position, gnss.velocity))).all(axis=1)
-    time, said = gnss.time[known], gnss.velocity[known]
+    """Lag of the velocities of fixes behind their positions; None where nothing shows it.
+
+    Components that are never measured, such as the vertical one of NMEA, are left out.
+    """
+    up = np.isfinite(gnss.position[:, 2]).any() and np.isfinite(gnss.velocity[:, 2]).any()
+    axes = slice(3 if up else 2)
+    known = np.isfinite(np.hstack((gnss.position[:, axes], gnss.velocity[:, axes]))).all(axis=1)
+    time, said = gnss.time[known], gnss.velocity[known][:, axes]
     rows = _windows(time, said)
     if len(rows) < WINDOWS[0]:
         return None
-    way = displacement(gnss.position[known], gnss.position[known][:1])
+    place = np.nan_to_num(gnss.position[known])
+    way = displacement(place, place[:1])[:, axes]
     middles = (said[1:] + said[:-1]) / 2 * np.diff(time)[:, None]
-    summed = CubicHermiteSpline(time, np.concatenate((np.zeros((1, 3)), np.cumsum(middles, axis=0))), said)
+    summed = CubicHermiteSpline(time, np.concatenate((0 * said[:1], np.cumsum(middles, axis=0))), said)
     constant = np.ones((*rows.shape, 1))
 
     def left(lag: float) -> Array:
@@ -99,6 +108,8 @@ def of_imu(imu: ImuTable, gnss: FixTable, lever_arm: tuple[float, float, float])
     lever_arm : tuple of float
         From the IMU to the antenna, in its axes [m].
     """
+    if not ((np.diff(imu.time) > 0).all() and (np.diff(gnss.time) > 0).all()):
+        return None
     velocity = velocities(gnss)
     known = np.isfinite(velocity).all(axis=1)
     known &= (gnss.time > imu.time[0] + 2 * LONGEST) & (gnss.time < imu.time[-1] - 2 * LONGEST)
@@ -147,12 +158,13 @@ def _felt(imu: ImuTable, samples: NDArray[np.int64], lever_arm: Array) -> Array:
 
 
 def _windows(time: Array, velocity: Array) -> NDArray[np.int64]:
-    """Rows of the fixes of windows without gaps, shape (windows, fixes)."""
-    if len(time) < LEAST_FIXES:
+    """Rows of the fixes of windows without gaps, shape (windows, fixes); none if stamps stand still."""
+    if len(time) < LEAST_FIXES or not (np.diff(time) > 0).all():
         return np.empty((0, 0), dtype=np.int64)
     size = max(round(WINDOW / stamps.period(time)), LEAST_FIXES)
     rows = np.arange(0, len(time) - size + 1, size)[:, None] + np.arange(size)
     rows = rows[~stamps.gaps(time)[rows[:, 1:]].any(axis=1)]
+    rows = rows[time[rows[:, -1]] - time[rows[:, 0]] <= 2 * WINDOW]
     change = np.linalg.norm(np.diff(velocity[rows], axis=1), axis=2) / np.diff(time[rows], axis=1)
     size_of_change = np.sqrt(np.mean(change**2, axis=1))
     most = np.sort(np.argsort(size_of_change)[::-1][: WINDOWS[1]])
@@ -168,7 +180,10 @@ def _without(target: Array, regressors: Array) -> Array:
 
 
 def _most_likely(left: Callable[[float], Array], span: float) -> Lag | None:
-    """Lag that leaves the likeliest residuals, shape (windows, fixes, 3); None if it is beyond the search."""
+    """Lag that leaves the likeliest residuals, of shape (windows, fixes, axes).
+
+    None if it is beyond the search, or no likelier than one at its ends.
+    """
 
     def losses(lag: float) -> Array:
         rest = left(lag)
@@ -184,4 +199,11 @@ def _most_likely(left: Callable[[float], Array], span: float) -> Lag | None:
         if half_curvature.sum() <= 0 or abs(at) >= LONGEST:
             return None
         at -= float(gradient.sum() / (2 * half_curvature.sum()))
+    best, (least, deviations) = losses(at), EVIDENCE
+    for end in (-LONGEST, LONGEST):
+        more = losses(end) - best
+        if more.mean() < max(least, deviations * more.std(ddof=1) / np.sqrt(len(more))):
+            return None
+    if abs(at) >= LONGEST:
+        return None
     return Lag(at, float(np.linalg.norm(gradient - gradient.mean()) / (2 * half_curvature.sum())))

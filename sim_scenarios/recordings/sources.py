@@ -108,7 +108,7 @@ class GnssSource(Source):
     columns: layouts.GnssColumns | None = None
     units: layouts.GnssUnits = layouts.GnssUnits()
     lever_arm: Vector = (0.0, 0.0, 0.0)
-    velocity_offset: float = 0.0
+    velocity_offset: float = Field(default=0.0, ge=-5.0, le=5.0, allow_inf_nan=False)
     position_sigma: LengthSigmas | None = None
     velocity_sigma: VelocitySigmas | None = None
 

@@ -297,7 +297,7 @@ def test_values_on_the_command_line(text: str, value: object) -> None:
 
 def test_the_scenario_of_the_documents_is_one(tmp_path: Path, fmus: Fmus) -> None:
     page = (Path(__file__).parents[2] / "docs" / "scenarios.md").read_text()
-    (shown,) = re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    shown, _of_your_own_filter = re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
     (tmp_path / "mine.toml").write_text(shown)
     scenario = load_scenario(tmp_path / "mine", fmus)
     assert scenario.plant["gnss.rate"] == 5.0

@@ -222,6 +222,25 @@ TEST_F(ExternalMotion, AStateThatIsHeldIsNotTakenForANewOne) {
     EXPECT_EQ(plant_.outputs.external.rejected, 0);
 }
 
+TEST_F(ExternalMotion, ATurningStateThatIsHeldIsNotTakenForANewOne) {
+    make_perfect(source_.parameters);
+    source_.parameters.motion.speed = 0.0;
+    source_.parameters.motion.wave.velocity.setZero();
+    start();
+    int samples = 0;
+    while (now_ < 300) {
+        tell();
+        for (int k = now_; k < now_ + 10; ++k) {
+            run(plant_, k, k + 1);
+        }
+        run(source_, now_, now_ + 10, 10);
+        if (now_ > 0) {
+            ASSERT_EQ(plant_.outputs.imu.sample, ++samples);
+        }
+        now_ += 10;
+    }
+}
+
 // Stamps beside the grid of the IMU: no increment is lost or counted twice.
 TEST_F(ExternalMotion, StatesMayLieBetweenTheSamples) {
     make_perfect(source_.parameters);

@@ -173,6 +173,7 @@ TEST_F(PlaybackTest, TheReferenceIsTheTruth) {
     run(playback, 0, 10);
     EXPECT_EQ(playback.outputs.truth.heading, 12.0);
     EXPECT_EQ(playback.outputs.truth.velocity, Eigen::Vector3d(16.0, 17.0, 18.0));
+    EXPECT_EQ(playback.outputs.truth.time, playback.outputs.imu.time);
     EXPECT_TRUE(std::isnan(playback.outputs.truth.clock_bias));
 }
 

@@ -104,6 +104,7 @@ TEST_F(StartValuesTest, LinesThatCannotBeSetAreNamed) {
 
 TEST(ResourceFolderTest, IsThatOfTheUriOrPath) {
     EXPECT_EQ(fmi::folder_of("file:///tmp/a%20b/r%C3%A9"), std::filesystem::path(u8"/tmp/a b/r\u00e9"));
+    EXPECT_EQ(fmi::folder_of("file:///data/100%_runs/x"), std::filesystem::path("/data/100%_runs/x"));
     EXPECT_EQ(fmi::folder_of("file:/tmp/x"), std::filesystem::path("/tmp/x"));
     EXPECT_EQ(fmi::folder_of("file://localhost/tmp/x"), std::filesystem::path("/tmp/x"));
     EXPECT_EQ(fmi::folder_of("file:///C:/x"), std::filesystem::path("C:/x"));

@@ -83,6 +83,54 @@ def test_an_imu_that_is_stamped_late_is_found(late: float, seed: int) -> None:
     assert lag.is_certain == (late != 0)
 
 
+@pytest.mark.parametrize("seed", range(1, 9))
+@pytest.mark.parametrize(("rate", "sigma"), [(1.0, 0.1), (5.0, 0.03), (10.0, 0.02)])
+def test_noise_of_a_vehicle_that_stands_shows_no_lag(rate: float, sigma: float, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    imu, gnss = sensed(seed), received(seed, rate=rate)
+    still = replace(
+        imu,
+        delta_angle=1e-5 * random.standard_normal(imu.delta_angle.shape),
+        delta_velocity=np.array([0.0, 0.0, 0.098]) + 1e-4 * random.standard_normal(imu.delta_angle.shape),
+    )
+    standing = replace(
+        gnss,
+        position=gnss.position[:1]
+        + np.array([1e-9, 1e-9, 0.01]) * random.standard_normal(gnss.position.shape),
+        velocity=sigma * random.standard_normal(gnss.velocity.shape),
+    )
+    for lag in (of_velocities(standing), of_imu(still, standing, ORIGIN)):
+        assert lag is None or not lag.is_certain
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_velocities_without_a_vertical_one_are_found_late_too(seed: int) -> None:
+    """As those of NMEA are."""
+    gnss = received(seed, LATE)
+    level = replace(gnss, velocity=gnss.velocity * np.array([1.0, 1.0, np.nan]))
+    lag = of_velocities(level)
+    assert lag is not None
+    assert lag.is_certain
+    assert abs(lag.value + LATE) < 4 * lag.sigma
+
+
+def test_stamps_that_do_not_increase_show_nothing() -> None:
+    imu, gnss = sensed(1), received(1, LATE)
+    time = gnss.time.copy()
+    time[5] = time[4]
+    assert of_velocities(replace(gnss, time=time)) is None
+    assert of_imu(imu, replace(gnss, time=time), ORIGIN) is None
+
+
+def test_velocities_of_every_other_fix_are_moved() -> None:
+    gnss = received(1, LATE)
+    velocity = gnss.velocity.copy()
+    velocity[1::2] = np.nan
+    moved = fixes.with_velocities_later(replace(gnss, velocity=velocity), -LATE)
+    assert np.isfinite(moved.velocity[2:-2]).all()
+    np.testing.assert_allclose(moved.velocity[2:-2], DRIVE.velocity(gnss.time[2:-2]), atol=0.6)
+
+
 def test_a_lever_arm_is_no_lag() -> None:
     imu, gnss = sensed(1), received(1, ahead=1.5)
     known, unknown = of_imu(imu, gnss, (0.0, 1.5, 0.0)), of_imu(imu, gnss, ORIGIN)
@@ -156,7 +204,10 @@ def test_an_offset_is_found_when_it_is_asked_for_and_else_said(tmp_path: Path) -
     said = load(described(tmp_path, 0.15, ""))
     assert said.imu.time[0] == pytest.approx(0.16, abs=1e-9)
     assert any("go with the fixes with offset = -0.1" in remark for remark in said.remarks)
-    assert load(described(tmp_path, 0.0, 'offset = "found"')).remarks == ()
+    (nothing,) = load(described(tmp_path, 0.0, 'offset = "found"')).remarks
+    assert nothing.endswith("stamps stay")
+    more = load(described(tmp_path, 0.15, "offset = -0.05"))
+    assert any("go with the fixes with offset = -0.1" in remark for remark in more.remarks)
 
 
 def test_an_offset_is_found_of_imu_and_fixes_alone(tmp_path: Path) -> None:
