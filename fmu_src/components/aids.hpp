@@ -15,12 +15,12 @@ namespace truenorth {
 // What is in doubt when an aid has been refused too often: of the prediction, and which of the sensor's
 // constant errors (aiding::SensorErrors).
 struct AidDoubt {
-    const char* name;
+    const char* name = "";
     Uncertainty prediction;
-    int own;
-    int own_count;
-    double own_least;     // how large they may be, by what was refused: of an aid whose one error it is
-    bool binds_velocity;  // the sensor bears the navigation where there are no fixes
+    int own = 0;
+    int own_count = 0;
+    double own_least = 0.0;  // how large they may be, by what was refused: of an aid whose one error it is
+    bool binds_velocity = false;  // the sensor bears the navigation where there are no fixes
 };
 
 template <class Aid>

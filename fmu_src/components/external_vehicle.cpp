@@ -128,11 +128,11 @@ bool held(const KnownPoint& from, const KnownPoint& to) {
 
 std::string ExternalVehicle::Flaw::sentence() const {
     const std::string index = element > 0 ? text("[", element, "]") : "";
-    const std::string why = reason.empty() ? "" : text(" (", reason, ")");
+    const std::string why = *reason == '\0' ? "" : text(" (", reason, ")");
     // An input as it was set; what was calculated as a person reads it.
     const auto figure = [this](double number) { return text(element > 0 ? number : rounded(number)); };
-    return text(name, index, " = ", figure(value), ": must be from ", figure(least), " to ", figure(most),
-                why);
+    return text(name, index.c_str(), " = ", figure(value).c_str(), ": must be from ", figure(least).c_str(),
+                " to ", figure(most).c_str(), why.c_str());
 }
 
 ExternalVehicle::Verdict ExternalVehicle::read(const State& state, double time, double end) {
@@ -183,7 +183,7 @@ ExternalVehicle::Verdict ExternalVehicle::read(const State& state, double time, 
 }
 
 plant::Passage ExternalVehicle::passage() const {
-    return from_ ? plant::Passage(before_, *from_, *latest_) : plant::Passage(*latest_);
+    return from_ ? plant::Passage(before_, *from_, to()) : plant::Passage(to());
 }
 
 void ExternalVehicle::begin(const KnownPoint& point) {

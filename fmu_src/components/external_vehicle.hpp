@@ -24,7 +24,7 @@ class ExternalVehicle {
         double value = 0.0;
         double least = 0.0;
         double most = 0.0;
-        std::string_view reason{};  // of the limits
+        const char* reason = "";  // of the limits
 
         [[nodiscard]] std::string sentence() const;
     };
@@ -52,8 +52,8 @@ class ExternalVehicle {
     [[nodiscard]] bool known() const { return latest_.has_value(); }
     // The passage between the last two points, and these; both the same while there is but one. Needs one.
     [[nodiscard]] plant::Passage passage() const;
-    [[nodiscard]] const plant::KnownPoint& from() const { return from_ ? *from_ : *latest_; }
-    [[nodiscard]] const plant::KnownPoint& to() const { return *latest_; }
+    [[nodiscard]] plant::KnownPoint from() const { return from_.value_or(to()); }
+    [[nodiscard]] plant::KnownPoint to() const { return latest_.value_or(plant::KnownPoint{}); }
 
     template <class Archive>
     void serialize(Archive& archive) {

@@ -37,7 +37,10 @@ StampClock::Verdict StampClock::read(double stamp, const Moment& moment) {
         offset_ += set;
     } else if (back || future || late) {
         if (!strays_alike(ahead)) {
-            return back ? Verdict::backwards : future ? Verdict::future : Verdict::late;
+            if (back) {
+                return Verdict::backwards;
+            }
+            return future ? Verdict::future : Verdict::late;
         }
         offset_ += ahead + latency_;
     }

@@ -92,7 +92,7 @@ void TruthPlant::step(double time, double step) {
     const std::uint64_t made =
         parameters.motion.kind == truth_plant::MotionKind::external
             ? follow(models, begin, output)
-            : travel(models, {.trajectory = models.trajectory}, state_.samples + count, output);
+            : travel(models, {.trajectory = &models.trajectory}, state_.samples + count, output);
     if (made == 0) {
         return;
     }
@@ -134,20 +134,20 @@ std::uint64_t TruthPlant::follow(const Models& models, double begin, plant::ImuO
     // IMU samples in a passage, whatever a damaged state says.
     const auto longest =
         static_cast<std::uint64_t>(ExternalVehicle::kLargestOffset * parameters.imu.rate) + 1;
-    Verdict verdict = Verdict::stale;
+    Verdict verdict = Verdict::followed;
     std::uint64_t made = 0;
-    do {
+    while (verdict == Verdict::begun || verdict == Verdict::followed) {
         if (vehicle.known()) {
             const plant::Trajectory trajectory(vehicle.passage(), vehicle.from().position);
             const Leg leg{
-                .trajectory = trajectory, .end = vehicle.to().time, .arrival = vehicle.to().position};
+                .trajectory = &trajectory, .end = vehicle.to().time, .arrival = vehicle.to().position};
             made += travel(models, leg, std::min(state_.due, state_.samples + longest), output);
             if (state_.trajectory.time < vehicle.to().time) {
                 return made;  // the vehicle is ahead of the master
             }
         }
         verdict = look(begin);
-    } while (verdict == Verdict::begun || verdict == Verdict::followed);
+    }
     if (verdict == Verdict::refused) {
         refuse_state(end_of(state_.due));
     }
@@ -173,7 +173,7 @@ ExternalVehicle::Verdict TruthPlant::look(double begin) {
         }
     }
     if (verdict == Verdict::begun || verdict == Verdict::followed) {
-        const plant::KnownPoint& from = vehicle.from();
+        const plant::KnownPoint from = vehicle.from();
         state_.trajectory = plant::Trajectory(vehicle.passage(), from.position).begin(from.time);
     }
     return verdict;
@@ -191,7 +191,7 @@ void TruthPlant::refuse_state(double time) {
 }
 
 void TruthPlant::advance(const Leg& leg, double to) {
-    const plant::Trajectory::Increments gained = leg.trajectory.advance(state_.trajectory, to);
+    const plant::Trajectory::Increments gained = leg.trajectory->advance(state_.trajectory, to);
     state_.begun.delta_angle += gained.delta_angle;
     state_.begun.delta_velocity += gained.delta_velocity;
     if (to == leg.end) {

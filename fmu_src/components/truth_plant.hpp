@@ -97,7 +97,7 @@ class TruthPlant {
 
     // A part of the motion, which is known until `end` [s]; there the vehicle is at `arrival`.
     struct Leg {
-        const plant::Trajectory& trajectory;
+        const plant::Trajectory* trajectory = nullptr;
         double end = std::numeric_limits<double>::infinity();
         earth::Position arrival{};
     };
