@@ -185,8 +185,8 @@ void TruthPlant::refuse_state(double time) {
         return;
     }
     if (const auto omitted = state_.told_refusals.tell(0, time)) {
-        log_->event(text("state of the vehicle refused in the step to ", time, " s", and_others(*omitted),
-                         ": ", state_.vehicle.flaw().sentence()));
+        log_->event(text("state of the vehicle refused in the step to ", time, " s",
+                         and_others(*omitted).c_str(), ": ", state_.vehicle.flaw().sentence().c_str()));
     }
 }
 
