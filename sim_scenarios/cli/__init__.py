@@ -26,7 +26,7 @@ def main() -> None:
 
     Whatever the signal, the command cleans up as after Ctrl-C. The exit code is 128 + its number.
     """
-    received = signal.SIGINT
+    received: signal.Signals | None = None
 
     def interrupt(number: int, _: FrameType | None) -> None:
         nonlocal received
@@ -36,22 +36,31 @@ def main() -> None:
     def ask_again(ignored: UnraisableHookArgs) -> None:
         # Python drops what is raised where nobody can catch it, as in the callback of a weak reference.
         if ignored.exc_type is KeyboardInterrupt:
-            threading.Timer(0.01, os.kill, [os.getpid(), received]).start()
+            threading.Timer(0.01, os.kill, [os.getpid(), received or signal.SIGINT]).start()
         else:
             sys.__unraisablehook__(ignored)
 
     sys.unraisablehook = ask_again
     ending = [signal.Signals[name] for name in _ENDING if hasattr(signal, name)]
     for one in ending:
-        if signal.getsignal(one) is signal.SIG_DFL:  # neither Python's own, nor ignored as by nohup
+        if signal.getsignal(one) in (signal.SIG_DFL, signal.default_int_handler):  # not ignored, as by nohup
             signal.signal(one, interrupt)
     try:
         code = _run()
     except KeyboardInterrupt:
         code = INTERRUPTED
+    except Exception:
+        # A compiled module that is interrupted while it is imported says that it cannot be imported.
+        if received is None:
+            raise
+        code = INTERRUPTED
     for one in ending:
         signal.signal(one, signal.SIG_IGN)  # what is left to do is to clean up
     if code == INTERRUPTED:
+        # Where an exec() was interrupted, as while a dataclass is made, CPython ends by killing itself,
+        # whoever caught it, unless another text is evaluated.
+        eval("None")
+        received = received or signal.SIGINT
         print(f"truenorth: {_ENDING[received.name]}", file=sys.stderr)
         code = 128 + received
     sys.exit(code)  # type: ignore[arg-type]
