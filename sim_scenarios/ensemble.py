@@ -3,17 +3,19 @@
 A run gives the errors of each filter at every recorded instant. A figure is a statistic of some of them over
 a window and over all runs; of a single run it is the same statistic of that run alone.
 
-This is for bands and papers, whose figures take any window and component, NEES of the whole covariance and
-the Python master's full record. Campaigns (`sim_scenarios.campaigns`) keep less of each run, on disk, and
-know intervals, bounds, resuming and clusters.
+This is for bands and papers, whose figures take any window and component, and NEES of the whole covariance.
+Campaigns (`sim_scenarios.campaigns`) keep less of each run, on disk, and know intervals, bounds, resuming and
+clusters.
 """
 
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -23,11 +25,13 @@ from numpy.typing import NDArray
 
 from sim_scenarios import recording, simulation
 from sim_scenarios.attitude import wrap
+from sim_scenarios.campaigns import quantities
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import Fmus, did_you_mean
+from sim_scenarios.fmus import did_you_mean
 from sim_scenarios.metrics.statistics import holds_since, is_measured, nees_of
 from sim_scenarios.recordings.residuals import residuals as residuals_of
+from sim_scenarios.runner import Runner
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.timeline import RESOLUTION, Window, inside, within
 from sim_scenarios.units import ARCMIN
@@ -43,6 +47,13 @@ NOISE = slice(11, 17)
 COLUMNS = 17
 """Columns of errors: heading and tilts [rad], velocity [m/s], position [m], NIS for each channel, NEES for
 each state, sigma of position [m] and velocity [m/s] fixes as the filter has estimated it."""
+
+OUTPUTS: Final = (
+    *quantities.OUTPUTS,
+    *("covariance", "gyro_bias", "accelerometer_bias", "clock_bias_sigma"),  # for the NEES
+)
+FIX_OUTPUTS: Final = (*quantities.FIX_OUTPUTS, "measurement_sigma_estimate")
+"""Outputs of a filter that errors are made of, at every recorded instant and at every fix."""
 
 
 @dataclass(frozen=True)
@@ -327,15 +338,14 @@ def _runs(
     kept: Path | None,
     residuals: Path | None,
 ) -> list[xr.Dataset]:
-    """Runs in a process of the pool, which loads the FMUs once for all of them."""
-    fmus = Fmus()
+    """Runs in a process of the pool."""
     runs = []
     for seed in seeds:
         file = run_file(kept, seed) if kept else None
         if file and file.is_file():
             runs.append(recording.load(file))
             continue
-        run = errors_of_run(_run(scenario, seed, labels, settings, fmus, residuals))
+        run = errors_of_run(_run(scenario, seed, labels, settings, residuals))
         if file:
             unfinished = file.with_suffix(".part")
             recording.save(run, unfinished)
@@ -344,25 +354,40 @@ def _runs(
     return runs
 
 
+class _OnWorker(threading.local):
+    """What a thread of a worker keeps from one batch to the next."""
+
+    @cached_property
+    def runner(self) -> Runner:
+        """With FMUs that are loaded once."""
+        return Runner(OUTPUTS, FIX_OUTPUTS)
+
+
+_on_worker: Final = _OnWorker()
+
+
 def _run(
     scenario: str | Path,
     seed: int,
     labels: Sequence[str],
     settings: Mapping[str, object],
-    fmus: Fmus,
     residuals: Path | None,
 ) -> xr.Dataset:
-    loaded = load_scenario(scenario, fmus, seed=seed, settings=settings)
+    runner = _on_worker.runner
+    loaded = load_scenario(scenario, runner.fmus, seed=seed, settings=settings)
     known = loaded.filters()
     for label in labels:
         if label not in known:
             hint = did_you_mean(label, list(known)) or f"; there are {', '.join(known)}"
             raise InputError(f"{scenario} compares no filter '{label}'{hint}")
     filters = {label: known[label] for label in labels}
-    added = _residuals(residuals, loaded.communication_step, seed) if residuals else None
-    recorded, messages = simulation.simulated(loaded, fmus, filters, added=added)
-    data = simulation.dataset(recorded, loaded, fmus, list(labels))
-    data.attrs = simulation.attributes(loaded, fmus, messages)
+    if residuals:
+        added = _residuals(residuals, loaded.communication_step, seed)
+        recorded, _ = simulation.simulated(loaded, runner.fmus, filters, added=added)
+        data = simulation.dataset(recorded, loaded, runner.fmus, list(labels))
+    else:
+        data = runner.simulated(loaded, filters, runner.uses_container(loaded))
+    data.attrs = simulation.attributes(loaded, runner.fmus)
     return data
 
 

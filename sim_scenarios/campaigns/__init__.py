@@ -49,7 +49,7 @@ class Campaign:
         made = cases(plan, fmus)
         bench = Bench(plan.period, master, fmus)
         for case in made:
-            bench.uses_container(case.scenario)
+            bench.runner.uses_container(case.scenario)
         return cls(plan, made, folder, master, execution.fmu_versions(fmus, made), fmus)
 
     def run(

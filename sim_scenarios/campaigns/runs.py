@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,21 +10,18 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios import faults, ports, recording, simulation
+from sim_scenarios import faults, recording, simulation
 from sim_scenarios.campaigns.plan import Case, filters_of
 from sim_scenarios.campaigns.quantities import FIGURES, FIX_OUTPUTS, OUTPUTS, SERIES, kept
 from sim_scenarios.campaigns.store import State
-from sim_scenarios.container import Container, obstacle
-from sim_scenarios.cosimulation import Recorded
 from sim_scenarios.errors import InputError, SimulationError
-from sim_scenarios.fmus import Fmu, Fmus, Number
+from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import hand_over
+from sim_scenarios.runner import Filters, Runner
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.stepping import Master
-from sim_scenarios.timeline import instants
 
 Array = NDArray[np.float64]
-Filters = Mapping[str, Mapping[str, Number]]
 
 
 @dataclass(frozen=True)
@@ -50,34 +46,19 @@ class Bench:
     """
 
     def __init__(self, period: float, master: Master = Master.auto, fmus: Fmus | None = None) -> None:
-        self.fmus = fmus or Fmus()
+        self.runner = Runner(OUTPUTS, FIX_OUTPUTS, master, fmus)
+        self.fmus = self.runner.fmus
         self._period = period
-        self._master = master
-        self._containers: dict[tuple[tuple[str, ...], float], Container] = {}
 
     def run(self, case: Case, seed: int, attributes: Mapping[str, Any]) -> Outcome:
         """One run of a case with all its filters; a filter that fails does not touch the others."""
         scenario = case.with_seed(seed)
         filters = filters_of(scenario)
         try:
-            data = self.simulated(scenario, filters, self.uses_container(scenario))
+            data = self.runner.simulated(scenario, filters, self.runner.uses_container(scenario))
         except SimulationError:
             return self._one_by_one(scenario, filters, attributes)
         return self._outcome(data, attributes)
-
-    def uses_container(self, scenario: Scenario) -> bool:
-        """Whether the container does a scenario; refuses what was asked for and cannot be."""
-        if self._master is Master.python:
-            return False
-        reason = why_no_container(scenario, self.fmus)
-        if reason is not None and self._master is Master.container:
-            raise InputError(f"{scenario.name} cannot run in a container: {reason}")
-        return reason is None
-
-    def simulated(self, scenario: Scenario, filters: Filters, container: bool) -> xr.Dataset:
-        """Data set of one run of a scenario, by the container or by the Python master, without attributes."""
-        record = self._record_in_container if container else self._record
-        return simulation.dataset(record(scenario, filters), scenario, self.fmus, list(filters))
 
     def _outcome(self, data: xr.Dataset, attributes: Mapping[str, Any]) -> Outcome:
         """What became of each filter; one that has no start by the evaluation has failed, without figures."""
@@ -93,32 +74,13 @@ class Bench:
                 failures.append(f"{label}: {handed.failure()}")
         return Outcome(state, values, "; ".join(failures))
 
-    def _record(self, scenario: Scenario, filters: Filters) -> Recorded:
-        recorded, _ = simulation.simulated(scenario, self.fmus, filters)
-        return recorded
-
-    def _record_in_container(self, scenario: Scenario, filters: Filters) -> Recorded:
-        with ExitStack() as stack:
-            plant = simulation.start_plant(scenario, self.fmus, stack)
-            truth = dict(zip(simulation.TRUTH, plant.read(simulation.TRUTH), strict=True))
-        start = simulation.initial_values(scenario, self.fmus.plant, truth)
-        names = tuple(map(scenario.fmu_of, filters))
-        return self._container(scenario, names).record(
-            scenario.plant,
-            [
-                simulation.filter_values(self.fmus[name], start, values)
-                for name, values in zip(names, filters.values(), strict=True)
-            ],
-            instants(scenario.duration, scenario.communication_step, simulation.stride(scenario)),
-        )
-
     def _one_by_one(self, scenario: Scenario, filters: Filters, attributes: Mapping[str, Any]) -> Outcome:
         state: dict[str, State] = {}
         values_kept: dict[str, dict[str, Array]] = {}
         failures: list[str] = []
         for label, values in filters.items():
             try:
-                data = self.simulated(scenario, {label: values}, container=False)
+                data = self.runner.simulated(scenario, {label: values}, container=False)
             except SimulationError as error:  # noqa: PERF203
                 state[label] = State.failed
                 failures.append(str(error))
@@ -128,29 +90,6 @@ class Bench:
                 values_kept |= one.kept
                 failures += [one.failure] if one.failure else []
         return Outcome(state, values_kept, "; ".join(failures))
-
-    def _container(self, scenario: Scenario, names: tuple[str, ...]) -> Container:
-        key = names, scenario.communication_step
-        if key not in self._containers:
-            standard, filters = self.fmus[scenario.standard], [self.fmus[name] for name in names]
-            self._containers[key] = Container(
-                self.fmus.plant,
-                filters,
-                scenario.communication_step,
-                *(
-                    [_scalars(fmu, outputs, set(ports.recorded(fmu, standard))) for fmu in filters]
-                    for outputs in (OUTPUTS, FIX_OUTPUTS)
-                ),
-            )
-        return self._containers[key]
-
-
-def why_no_container(scenario: Scenario, fmus: Fmus) -> str | None:
-    """Why a container cannot do a scenario; None if it can."""
-    if scenario.alignment is not None:
-        return "the container does not pass an alignment on to navigation"
-    rate = float(simulation.parameter(scenario, fmus.plant, "gnss.rate"))
-    return obstacle(scenario.recording_period, rate)
 
 
 def arranged(
@@ -182,7 +121,3 @@ def bound(case: Case, fmus: Fmus) -> xr.Dataset:
         return simulation.bound_of(case.scenario, fmus)
     except InputError:
         return unknown
-
-
-def _scalars(fmu: Fmu, names: tuple[str, ...], recorded: set[str]) -> list[str]:
-    return [scalar for name in names for scalar in fmu.arrays.get(name, []) if scalar in recorded]

@@ -9,10 +9,11 @@ import pytest
 
 from sim_scenarios import simulation
 from sim_scenarios.campaigns.plan import Case, cases, load_plan
-from sim_scenarios.campaigns.runs import Bench, why_no_container
+from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.container import obstacle
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.runner import why_no_container
 from sim_scenarios.stepping import Master
 
 supported = pytest.mark.skipif(
@@ -57,6 +58,6 @@ def test_the_container_gives_the_results_of_the_master(
 def test_more_fixes_than_recorded_instants_are_for_the_master(fmus: Fmus) -> None:
     case = case_of(fmus, "waves", **{"gnss.rate": 20.0})
     assert "20 fixes a second" in str(why_no_container(case.scenario, fmus))
-    assert not Bench(1.0, Master.auto, fmus).uses_container(case.scenario)
+    assert not Bench(1.0, Master.auto, fmus).runner.uses_container(case.scenario)
     with pytest.raises(InputError, match="waves cannot run in a container: 20 fixes"):
-        Bench(1.0, Master.container, fmus).uses_container(case.scenario)
+        Bench(1.0, Master.container, fmus).runner.uses_container(case.scenario)

@@ -9,9 +9,13 @@ import sim_scenarios
 from sim_scenarios.ensemble import (
     COLUMNS,
     FIGURES,
+    FIX_OUTPUTS,
     HEADING,
     HORIZONTAL,
+    NEES,
     NIS,
+    NOISE,
+    OUTPUTS,
     POSITION,
     TILT_EAST,
     VELOCITY,
@@ -33,6 +37,9 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import judge
 from sim_scenarios.processes import processes
+from sim_scenarios.runner import Runner, why_no_container
+from sim_scenarios.scenario import load_scenario
+from sim_scenarios.simulation import attributes
 from sim_scenarios.units import ARCMIN
 
 SHORT = {"duration": 40.0, "evaluation.start": 20.0}
@@ -96,6 +103,30 @@ def test_a_figure_is_taken_over_its_window_in_its_unit() -> None:
     assert runs.figure("settling", "a") == 2.0  # of the whole run, whatever the window
     with pytest.raises(InputError, match=r"nothing is recorded between 7 s and 9 s"):
         runs.figure("heading", "a", window=(7.0, 9.0))
+
+
+@pytest.mark.parametrize(
+    ("scenario", "label", "settings"),
+    [
+        ("swaying_ship", "UKF", SHORT),
+        ("flight_varying_noise", "VB, rho 0.99", SHORT),  # estimated sigmas
+        ("flight_loose_tight", "tight", SHORT),
+    ],
+)
+def test_the_container_makes_the_errors_of_the_python_master(
+    fmus: Fmus, scenario: str, label: str, settings: dict[str, object]
+) -> None:
+    loaded = load_scenario(scenario, fmus, seed=5, settings=settings)
+    runner, filters = Runner(OUTPUTS, FIX_OUTPUTS, fmus=fmus), {label: loaded.filters()[label]}
+    if not runner.uses_container(loaded):
+        pytest.skip(str(why_no_container(loaded, fmus)))
+    master, container = (runner.simulated(loaded, filters, container=by) for by in (False, True))
+    for run in (master, container):
+        run.attrs = attributes(loaded, fmus)
+    made = errors_of_run(container)["errors"].values
+    np.testing.assert_array_equal(made, errors_of_run(master)["errors"].values)
+    assert np.isfinite(made[:, :, NEES]).all()
+    assert np.isfinite(made[:, :, NOISE]).any()  # at fixes
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ import sim_scenarios
 from sim_scenarios.archives import read_archive, write_archive
 from sim_scenarios.campaigns import campaign
 from sim_scenarios.campaigns.plan import cases, load_plan
-from sim_scenarios.campaigns.runs import Bench, why_no_container
+from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.campaigns.statistics import summarise
 from sim_scenarios.campaigns.store import State
 from sim_scenarios.campaigns.table import figures
@@ -31,6 +31,7 @@ from sim_scenarios.metrics import judge
 from sim_scenarios.metrics.navigation import NavigationVerdict
 from sim_scenarios.recording import of_filter
 from sim_scenarios.report import comparison_table, report_comparison, report_run
+from sim_scenarios.runner import why_no_container
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.simulation import attributes
 from sim_scenarios.stepping import Master
@@ -191,7 +192,7 @@ def test_what_no_container_embeds_is_stepped_by_the_master(
     monkeypatch.setattr(FMUContainer, "make_fmu", refuse)
     (case,) = cases(load_plan(scenario(folder, THEIRS)), fmus)
     with pytest.raises(SimulationError, match="do not go into a container: it is not to its taste"):
-        Bench(1.0, Master.container, fmus).simulated(case.scenario, case.filters(), container=True)
+        Bench(1.0, Master.container, fmus).runner.simulated(case.scenario, case.filters(), container=True)
     outcome = Bench(1.0, Master.auto, fmus).run(case, 4, attributes(case.scenario, fmus))
     assert outcome.state == {"theirs": State.finished}
 

@@ -42,7 +42,7 @@ def one_run(fmus: Fmus) -> OneRun:
     settings = {"duration": DURATION, "evaluation.start": 20.0, "evaluation.stop": 41.4}
     scenario = load_scenario("swaying_ship", fmus, seed=1, settings=settings)
     bench, filters = Bench(1.0, fmus=fmus), {"EKF": scenario.filters()["EKF"]}
-    master, container = (bench.simulated(scenario, filters, container=by) for by in (False, True))
+    master, container = (bench.runner.simulated(scenario, filters, container=by) for by in (False, True))
     for data in (master, container):
         data.attrs = simulation.attributes(scenario, fmus)
     return OneRun(master, container)
