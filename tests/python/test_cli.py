@@ -360,34 +360,6 @@ def test_an_interruption_ends_in_one_line(tmp_path: Path, imported: str) -> None
     assert "Traceback" not in said
 
 
-INTERRUPTED = "signal.raise_signal(signal.SIGINT)"
-WHILE = {
-    "a text is executed": f"exec('import signal; {INTERRUPTED}')",
-    "a module is imported": f"""
-    try:
-        {INTERRUPTED}
-    except KeyboardInterrupt as error:
-        raise ImportError("initialization failed") from error""",
-}
-"""CPython ends by the signal after the first, whoever catches it; compiled modules do the second."""
-
-
-@pytest.mark.parametrize("interrupted", WHILE.values(), ids=WHILE)
-def test_what_python_makes_of_an_interruption(tmp_path: Path, interrupted: str) -> None:
-    lines = [
-        "import signal",
-        "from sim_scenarios import cli",
-        "def run():",
-        f"    {interrupted}",
-        "cli._run = run",
-    ]
-    (tmp_path / "command.py").write_text("\n".join([*lines, "cli.main()"]))
-    command = [sys.executable, "-m", "command"]
-    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert ended.returncode == 130
-    assert ended.stderr.splitlines() == ["truenorth: interrupted"]
-
-
 @pytest.mark.usefixtures("fmus")
 def test_replay_shows_the_heading_over_time(tmp_path: Path) -> None:
     """A vehicle at rest, level and heading north on the equator, sensed without error."""
