@@ -4,8 +4,5 @@ namespace truenorth {
 
 template class Engine<Loose>;
 template class NavigationEngine<Loose>;
-template struct AidUpdate<NavigationEngine<Loose>>;
-template class Estimator<Loose>;
-template class Corrector<Loose::kStates, Loose::kMeasurements>;
 
 }  // namespace truenorth

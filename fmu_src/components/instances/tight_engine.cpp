@@ -4,8 +4,5 @@ namespace truenorth {
 
 template class Engine<Tight>;
 template class NavigationEngine<Tight>;
-template struct AidUpdate<NavigationEngine<Tight>>;
-template class Estimator<Tight>;
-template class Corrector<Tight::kStates, Tight::kMeasurements>;
 
 }  // namespace truenorth

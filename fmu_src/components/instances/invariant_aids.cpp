@@ -2,9 +2,6 @@
 
 namespace truenorth {
 
-template class Estimator<Invariant<false>>;
-template class Engine<Invariant<false>>;
-template class InvariantEngine<false>;
 template struct AidUpdate<InvariantEngine<false>>;
 
 }  // namespace truenorth

@@ -1,0 +1,7 @@
+#include "components/invariant_engine.hpp"
+
+namespace truenorth {
+
+template struct AidUpdate<InvariantEngine<true>>;
+
+}  // namespace truenorth

@@ -1,0 +1,8 @@
+#include "components/invariant_engine.hpp"
+
+namespace truenorth {
+
+template class Engine<Invariant<false>>;
+template class InvariantEngine<false>;
+
+}  // namespace truenorth

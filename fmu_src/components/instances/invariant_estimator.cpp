@@ -1,0 +1,7 @@
+#include "components/invariant_adapter.hpp"
+
+namespace truenorth {
+
+template class Estimator<Invariant<false>>;
+
+}  // namespace truenorth

@@ -1,0 +1,7 @@
+#include "components/large_azimuth_adapter.hpp"
+
+namespace truenorth {
+
+template struct AidUpdate<NavigationEngine<LargeAzimuth>>;
+
+}  // namespace truenorth

@@ -1,0 +1,7 @@
+#include "components/loose_adapter.hpp"
+
+namespace truenorth {
+
+template class Corrector<Loose::kStates, Loose::kMeasurements>;
+
+}  // namespace truenorth

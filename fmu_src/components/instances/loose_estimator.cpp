@@ -1,0 +1,7 @@
+#include "components/loose_adapter.hpp"
+
+namespace truenorth {
+
+template class Estimator<Loose>;
+
+}  // namespace truenorth
