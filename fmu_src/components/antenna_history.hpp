@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -58,6 +59,11 @@ class AntennaHistory {
 
     // The antenna at `time`, interpolated; none when that is before the oldest entry or after the newest.
     [[nodiscard]] std::optional<AntennaState> at(double time) const;
+
+    // When it begins [s].
+    [[nodiscard]] double oldest() const {
+        return size_ > 0 ? back(size_ - 1).state.time : std::numeric_limits<double>::lowest();
+    }
 
     // The mechanisation has been corrected: its attitude turned by R (computed ENU), velocity [m/s] and
     // position [m] moved. The past is turned and moved by as much. That the corrections of velocity and

@@ -69,7 +69,7 @@ class Engine {
     template <class Archive>
     void serialize(Archive& archive) {
         archive(estimator, corrector, adapter, mechanisation_, gyro_bias_, accelerometer_bias_,
-                first_gyro_bias_, first_accelerometer_bias_, found_);
+                first_gyro_bias_, first_accelerometer_bias_, handed_sigma_, found_);
     }
 
   protected:
@@ -81,6 +81,9 @@ class Engine {
     [[nodiscard]] Matrix<kStates> states_of(const Uncertainty& more) const;
 
     void set_out(const Start& start);
+
+    // Of the errors at the start: the prior, or a covariance that was handed over and is wider.
+    [[nodiscard]] Vector<kStates> sigma_at_start() const { return prior_sigma.cwiseMax(handed_sigma_); }
 
     // Back to what was known of the sensors at the start.
     void forget_sensors() {
@@ -100,18 +103,19 @@ class Engine {
     Eigen::Vector3d accelerometer_bias_ = Eigen::Vector3d::Zero();        // known [m/s2]
     Eigen::Vector3d first_gyro_bias_ = Eigen::Vector3d::Zero();           // at the start
     Eigen::Vector3d first_accelerometer_bias_ = Eigen::Vector3d::Zero();  // likewise
+    Vector<kStates> handed_sigma_ = Vector<kStates>::Zero();              // of the errors at the start
     Eigen::Vector3d found_ = Eigen::Vector3d::Zero();  // misalignment, by the last fix [rad]
 };
 
 template <ErrorModel M>
 void Engine<M>::forget(bool /*has_fixes*/) {
     estimator.appended.part();
-    estimator.covariance = prior_sigma.cwiseAbs2().asDiagonal();
+    estimator.covariance = sigma_at_start().cwiseAbs2().asDiagonal();
 }
 
 template <ErrorModel M>
 void Engine<M>::forget(const Eigen::Vector3d& attitude_sigma) {
-    Vector<kStates> sigma = prior_sigma;
+    Vector<kStates> sigma = sigma_at_start();
     sigma.template segment<3>(Where::attitude.first) = attitude_sigma;
     estimator.appended.part();
     estimator.covariance = sigma.cwiseAbs2().asDiagonal();
@@ -160,9 +164,10 @@ auto Engine<M>::states_of(const Uncertainty& more) const -> Matrix<kStates> {
     put(Where::attitude, more.attitude);
     put(Where::velocity, more.velocity);
     put(Where::position, more.position);
+    const Vector<kStates> sigma = sigma_at_start();
     const auto blame = [&](Block block) {
         for (int i = block.first; i < block.first + block.count; ++i) {
-            P(i, i) = more.sensors * prior_sigma(i) * prior_sigma(i);
+            P(i, i) = more.sensors * sigma(i) * sigma(i);
         }
     };
     blame(Where::gyro);
@@ -187,9 +192,11 @@ void Engine<M>::set_out(const Start& start) {
     adapter = {};
     corrector.restart();
     estimator.appended.start();
+    handed_sigma_.setZero();
     Engine::forget();
     if (!start.covariance.isZero(0.0)) {
         take_covariance<Where>(estimator.covariance, start.covariance);
+        handed_sigma_ = estimator.covariance.diagonal().cwiseSqrt();
     }
 }
 

@@ -43,7 +43,9 @@ inline const char* reason(ImuInput::Finding finding) {
 // Why a fix is not used.
 enum class Refusal : std::uint8_t {
     not_finite,
+    empty,
     impossible,
+    unreachable,
     frozen,
     backwards,
     future,
@@ -62,8 +64,12 @@ inline const char* reason(Refusal refusal) {
     switch (refusal) {
         case Refusal::not_finite:
             return "a value is not finite";
+        case Refusal::empty:
+            return "it measures nothing: no number, or sigmas beyond 10 km and 100 m/s";
         case Refusal::impossible:
             return "a value is impossible";
+        case Refusal::unreachable:
+            return "it is farther from the last than any vehicle goes";
         case Refusal::frozen:
             return "to the bit that of the fix before, at a speed: the receiver hangs";
         case Refusal::backwards:
@@ -93,6 +99,8 @@ inline Refusal refusal_of(GnssInput::Verdict verdict) {
     switch (verdict) {
         case GnssInput::Verdict::not_finite:
             return Refusal::not_finite;
+        case GnssInput::Verdict::empty:
+            return Refusal::empty;
         case GnssInput::Verdict::impossible:
             return Refusal::impossible;
         case GnssInput::Verdict::frozen:
@@ -146,8 +154,8 @@ inline const char* reason(Contradiction contradiction) {
 }
 
 // What else happens many times.
-enum class Notice : std::uint8_t { gap, repaired, infeasible, doubted };
+enum class Notice : std::uint8_t { gap, repaired, infeasible, contradicted, silent, faulted };
 
-inline constexpr std::size_t kNotices = static_cast<std::size_t>(Notice::doubted) + 1;
+inline constexpr std::size_t kNotices = static_cast<std::size_t>(Notice::faulted) + 1;
 
 }  // namespace truenorth

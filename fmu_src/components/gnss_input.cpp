@@ -13,11 +13,10 @@ GnssFix::Components components(const GnssFix& fix) {
     return all;
 }
 
-// Something is measured, and nothing of it infinite, nor without bounds as its sigma says.
+// Nothing that is measured is infinite, nor its sigma.
 bool finite(const GnssFix& fix) {
-    const GnssFix::Mask measured = fix.measured();
-    return std::isfinite(fix.time) && (measured.any() || fix.has_channels) &&
-           !components(fix).isInf().any() && measured.select(fix.sigma, 0.0).isFinite().all();
+    return std::isfinite(fix.time) && !components(fix).isInf().any() &&
+           fix.measured().select(fix.sigma, 0.0).isFinite().all();
 }
 
 // What is no number is no more than any limit.
@@ -34,27 +33,37 @@ bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)
 
 }  // namespace
 
-GnssFix::Mask GnssFix::measured() const { return !components(*this).isNaN(); }
+GnssFix::Mask GnssFix::measured() const {
+    Components worst;
+    worst << kWorstPlace, kWorstPlace, kWorstPlace, kWorstSpeed, kWorstSpeed, kWorstSpeed;
+    return !components(*this).isNaN() && !(sigma > worst && sigma.isFinite());
+}
 
 GnssFix GnssFix::filled_from(const earth::Position& place, const Eigen::Vector3d& speed) const {
-    const auto or_else = [](double value, double other) { return std::isnan(value) ? other : value; };
+    const Mask is = measured();
     GnssFix filled = *this;
-    filled.position = {.latitude = or_else(position.latitude, place.latitude),
-                       .longitude = or_else(position.longitude, place.longitude),
-                       .height = or_else(position.height, place.height)};
-    filled.velocity = velocity.array().isNaN().select(speed, velocity);
+    filled.position = {.latitude = is(1) ? position.latitude : place.latitude,
+                       .longitude = is(0) ? position.longitude : place.longitude,
+                       .height = is(2) ? position.height : place.height};
+    filled.velocity = is.tail<3>().select(velocity, speed);
     return filled;
 }
 
-// To the bit the same place as before, at a speed: a receiver that hangs. One that stands on a stand may
-// repeat itself.
+// To the bit what was measured before.
 bool GnssInput::repeats(const GnssFix& fix) const {
     const GnssFix last{.position = last_position_, .velocity = last_velocity_};
     const GnssFix::Components now = components(fix);
     const GnssFix::Components before = components(last);
-    const bool moves = (fix.velocity.array().abs() > 0.0).any();
+    return std::equal(now.begin(), now.end(), before.begin(), same);
+}
+
+// A receiver on a stand may repeat itself. One that hangs does so at a speed, or has differed before if it
+// measures none; and of one that measures no place nothing is known.
+bool GnssInput::may_stand(const GnssFix& fix) const {
+    const bool measures_velocity = !fix.velocity.array().isNaN().all();
+    const bool moves = measures_velocity ? (fix.velocity.array().abs() > 0.0).any() : differed_;
     const bool placed = !std::isnan(fix.position.latitude) && !std::isnan(fix.position.longitude);
-    return moves && placed && std::equal(now.begin(), now.end(), before.begin(), same);
+    return !moves || !placed;
 }
 
 GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment& moment) {
@@ -65,10 +74,15 @@ GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment&
     if (!finite(fix)) {
         return Verdict::not_finite;
     }
+    if (!fix.measured().any() && !fix.has_channels) {
+        return Verdict::empty;
+    }
     if (impossible(fix)) {
         return Verdict::impossible;
     }
-    const bool frozen = any_ && repeats(fix);
+    const bool again = any_ && repeats(fix);
+    const bool frozen = again && !may_stand(fix);
+    differed_ = differed_ || (any_ && !again);
     last_position_ = fix.position;
     last_velocity_ = fix.velocity;
     if (frozen) {

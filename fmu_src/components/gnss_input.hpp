@@ -8,11 +8,15 @@
 
 namespace truenorth {
 
-// Position and velocity of the antenna; what is not a number has not been measured.
+// Position and velocity of the antenna; what is not a number, or has a sigma that says that nothing is known
+// of it, as receivers without a fix put out, has not been measured.
 struct GnssFix {
     // East, north, up: of the position, then of the velocity.
     using Components = Eigen::Array<double, 6, 1>;
     using Mask = Eigen::Array<bool, 6, 1>;
+
+    static constexpr double kWorstPlace = 10e3;   // [m]
+    static constexpr double kWorstSpeed = 100.0;  // [m/s]
 
     double time = 0.0;
     earth::Position position;
@@ -29,7 +33,7 @@ struct GnssFix {
 
 class GnssInput {
   public:
-    enum class Verdict { stale, accepted, not_finite, impossible, frozen, backwards, future, late };
+    enum class Verdict { stale, accepted, not_finite, empty, impossible, frozen, backwards, future, late };
 
     static constexpr double kLargestLongitude = 6.3;  // a turn either way [rad]
     static constexpr double kLowest = -15e3;          // [m]
@@ -49,14 +53,16 @@ class GnssInput {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(seen_, any_, last_position_, last_velocity_, clock_);
+        archive(seen_, any_, differed_, last_position_, last_velocity_, clock_);
     }
 
   private:
     [[nodiscard]] bool repeats(const GnssFix& fix) const;
+    [[nodiscard]] bool may_stand(const GnssFix& fix) const;
 
     int seen_ = 0;
     bool any_ = false;               // a fix has been accepted
+    bool differed_ = false;          // and one from that before it
     earth::Position last_position_;  // of the last sound one
     Eigen::Vector3d last_velocity_ = Eigen::Vector3d::Zero();
     StampClock clock_;

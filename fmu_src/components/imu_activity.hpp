@@ -25,8 +25,13 @@ class ImuActivity {
 
     // An axis that repeats its rate or its increment but for rounding (of intervals, too), for longer than
     // kRuns times its longest run so far and kShortestRun, is stuck; one that has never changed says nothing.
+    // What is usual is learned by and by: of one run at most twice as much as before, or a fault would be.
+    // Nor is one judged that seldom changes, as without noise.
     static constexpr int kShortestRun = 10;
     static constexpr int kRuns = 5;
+    static constexpr int kLearns = 2;
+    static constexpr int kMostRun = 100'000'000;
+    static constexpr double kSeldom = 0.1;      // of the samples
     static constexpr double kRounding = 1e-12;  // of the value
 
     // An axis whose usual step is smaller has no noise of a sensor, but rounding.
@@ -43,11 +48,15 @@ class ImuActivity {
         const Eigen::Array<bool, 6, 1> repeats =
             step.abs() <= limit || (rates * dt - last_ * last_dt_).abs() <= limit * dt;
         for (int axis = 0; axis < 6; ++axis) {
-            if (repeats(axis) && squared_step_(axis) > 0.0) {
-                ++run_[axis];  // what stands still tells nothing of how it moves
-                continue;
+            if (!repeats(axis) || run_[axis] < kShortestRun) {
+                restless_(axis) += share_of_step * ((repeats(axis) ? 0.0 : 1.0) - restless_(axis));
             }
-            longest_run_[axis] = std::max(longest_run_[axis], run_[axis]);
+            if (repeats(axis) && squared_step_(axis) > 0.0) {
+                run_[axis] = std::min(run_[axis] + 1, kMostRun);
+                continue;  // what stands still tells nothing of how it moves
+            }
+            longest_run_[axis] = std::max(longest_run_[axis],
+                                          std::min(run_[axis], kShortestRun + kLearns * longest_run_[axis]));
             run_[axis] = 0;
             squared_step_(axis) += share_of_step * (step(axis) * step(axis) - squared_step_(axis));
             const double off = rates(axis) - mean_(axis);
@@ -73,7 +82,7 @@ class ImuActivity {
         Eigen::Array<bool, 6, 1> still;
         for (int axis = 0; axis < 6; ++axis) {
             const double smallest = axis < 3 ? kSmallestRate : kSmallestForce;
-            still(axis) = squared_step_(axis) > smallest * smallest &&
+            still(axis) = squared_step_(axis) > smallest * smallest && restless_(axis) > kSeldom &&
                           run_[axis] > kShortestRun + kRuns * longest_run_[axis];
         }
         return still;
@@ -107,7 +116,8 @@ class ImuActivity {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(last_, last_dt_, mean_, variance_, squared_step_, known_, samples_, run_, longest_run_);
+        archive(last_, last_dt_, mean_, variance_, squared_step_, restless_, known_, samples_, run_,
+                longest_run_);
     }
 
   private:
@@ -121,6 +131,7 @@ class ImuActivity {
     Rates mean_ = Rates::Zero();
     Rates variance_ = Rates::Zero();
     Rates squared_step_ = Rates::Zero();  // mean square of the change from sample to sample
+    Rates restless_ = Rates::Zero();      // share of the samples that changed, runs left out
     double known_ = 0.0;                  // time that mean and variance stand for [s]
     int samples_ = 0;                     // counted up to kStepSamples
     std::array<int, 6> run_{};            // samples in which the axis has not changed

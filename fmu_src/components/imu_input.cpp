@@ -62,7 +62,7 @@ ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d&
     increment_ = {.dt = interval.covered, .delta_angle = delta_angle, .delta_velocity = delta_velocity};
     learn(interval, rates);
     tell_time(time, reading, interval);
-    learn_stride(reading.count);
+    learn_stride(reading.count, reading.dt);
     period_ = interval.covered;
     accepted_ = sample;
     any_ = true;
@@ -91,6 +91,7 @@ void ImuInput::learn(const Interval& interval, Rates rates) {
     doubtful_angle_.setZero();
     doubtful_velocity_.setZero();
     const double lost = interval.resumes ? 0.0 : interval.lost;
+    blind_ = interval.resumes ? interval.lost : 0.0;
     if (lost > 0.0) {
         fill(lost, rates);
         activity_.add(rates, interval.covered);
@@ -159,7 +160,7 @@ ImuInput::Interval ImuInput::first(double dt, double delta_velocity) {
 
 ImuInput::Interval ImuInput::between(const Reading& reading, double delta_velocity) const {
     const auto& [count, dt, elapsed] = reading;
-    const double parts = static_cast<double>(count) / static_cast<double>(stride_);
+    const double parts = static_cast<double>(count) / stride_;
     const bool leaps = dt > kGap * period_;
     const bool counted = std::abs(parts * period_ - dt) <= kDenied * period_;
     const bool set = dt <= 0.0 || (leaps && !counted && elapsed < kDenied * dt);
@@ -170,6 +171,7 @@ ImuInput::Interval ImuInput::between(const Reading& reading, double delta_veloci
     Interval interval{.covered = passed};
     if (passed > kLongestInterval) {
         interval.covered = period_;
+        interval.lost = passed - period_;
         interval.resumes = true;
     } else if (passed > kGap * period_ && !spans(passed, delta_velocity, parts)) {
         interval.covered = period_;
@@ -192,16 +194,26 @@ bool ImuInput::spans(double passed, double delta_velocity, double parts) const {
     if (finding_ == Finding::no_increment) {
         return false;  // of rates, too, the force of a longer interval would be plausible
     }
-    const double force = activity_.mean().tail<3>().matrix().norm();
+    const double force =
+        std::max(activity_.mean().tail<3>().matrix().norm(), activity_.last().tail<3>().matrix().norm());
     return delta_velocity > force * std::sqrt(passed * period_);
 }
 
-// A count that has advanced by the same a few times advances so.
-void ImuInput::learn_stride(std::int64_t count) {
-    new_strides_ = count == new_stride_ ? std::min(new_strides_ + 1, kConfirmations) : 1;
+// A count that has advanced by much the same a few times advances so: of raw samples by 2 and 3 in turn, if
+// two and a half make a sample. Where the stamps show a gap, it tells of that.
+void ImuInput::learn_stride(std::int64_t count, double dt) {
+    const std::int64_t off = count > new_stride_ ? count - new_stride_ : new_stride_ - count;
+    if (count <= 0 || 2 * off > std::max<std::int64_t>(new_stride_, 2) || dt > kGap * period_) {
+        new_strides_ = 0;
+        new_count_ = 0;
+    }
     new_stride_ = count;
-    if (new_strides_ == kConfirmations && count > 0) {
-        stride_ = count;
+    new_count_ += count;
+    new_strides_ += 1;
+    if (new_strides_ == kConfirmations) {
+        stride_ = static_cast<double>(new_count_) / kConfirmations;
+        new_strides_ = 0;
+        new_count_ = 0;
     }
 }
 

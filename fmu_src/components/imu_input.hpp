@@ -68,6 +68,7 @@ class ImuInput {
     [[nodiscard]] double offset() const { return offset_; }         // of the sensor's clock [s]
     [[nodiscard]] bool any() const { return any_; }                 // a sample has been accepted
     [[nodiscard]] int gap() const { return gap_; }  // increments missed just before the last accepted one
+    [[nodiscard]] double blind_for() const { return blind_; }   // before it, of a gap that is not bridged [s]
     [[nodiscard]] Finding finding() const { return finding_; }  // of the last sample that was not stale
     // By how much the last accepted increment may be off beyond what the sensors' noise explains, body axes
     // [rad], [m/s]; zero when nothing was made up.
@@ -86,10 +87,10 @@ class ImuInput {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(increment_, time_, offset_, clock_, heard_, suspected_, any_, gap_, seen_, accepted_,
+        archive(increment_, time_, offset_, clock_, heard_, suspected_, any_, gap_, blind_, seen_, accepted_,
                 refused_, refused_stamp_, rejected_, missed_, disagreements_, period_, stride_, new_stride_,
-                new_strides_, jumps_, old_, doubtful_angle_, doubtful_velocity_, stuck_for_, finding_,
-                activity_);
+                new_count_, new_strides_, jumps_, old_, doubtful_angle_, doubtful_velocity_, stuck_for_,
+                finding_, activity_);
     }
 
   private:
@@ -115,7 +116,7 @@ class ImuInput {
     Finding judge(const Rates& rates, double covered);
     void learn(const Interval& interval, Rates rates);
     void tell_time(double time, const Reading& reading, const Interval& interval);
-    void learn_stride(std::int64_t count);
+    void learn_stride(std::int64_t count, double dt);
     void fill(double lost, const Rates& rates);
     void hold_jumps(Rates& rates);
     void doubt_what_is_stuck(double covered);
@@ -129,6 +130,7 @@ class ImuInput {
     double suspected_ = -1e300;
     bool any_ = false;
     int gap_ = 0;
+    double blind_ = 0.0;
     int seen_ = 0;      // sample count last looked at
     int accepted_ = 0;  // sample count last accepted
     int refused_ = 0;   // since the last accepted one
@@ -138,8 +140,9 @@ class ImuInput {
     int missed_ = 0;
     int disagreements_ = 0;
     double period_ = 0.0;          // that a sample covered last [s]; 0: none so far
-    std::int64_t stride_ = 1;      // by which the count advances from sample to sample
-    std::int64_t new_stride_ = 1;  // by which it advanced at the last new_strides_ samples
+    double stride_ = 1.0;          // by which the count advances from sample to sample, on average
+    std::int64_t new_stride_ = 1;  // by which it advanced at the last sample
+    std::int64_t new_count_ = 0;   // and at the last new_strides_ ones, all much alike
     int new_strides_ = 0;
     int jumps_ = 0;  // samples in a row with an axis out of line
     int old_ = 0;    // samples in a row whose time does not follow that of the last accepted one

@@ -55,7 +55,7 @@ class InertialFilter {
                 nis_window_, recovery_, finder_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_,
                 was_sure_, told_long_interval_, told_samples_, told_fixes_, told_notices_, gnss_used_,
                 gnss_every_, gnss_heard_, leveller_, astray_, astray_at_, leaned_, body_velocity_,
-                heading_aid_, height_aid_);
+                heading_aid_, height_aid_, far_place_, far_since_, placed_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
             configure_engine();
@@ -77,7 +77,9 @@ class InertialFilter {
     void publish();
 
     [[nodiscard]] bool under_way() const { return under_way_; }  // it has set out
-    [[nodiscard]] double now() const { return imu_.time(); }     // to which the IMU data reach [s]
+    [[nodiscard]] double now() const {
+        return imu_.stamp();
+    }  // to which the IMU data reach, by its clock [s]
     [[nodiscard]] Log& log() const { return *log_; }
 
   private:
@@ -131,9 +133,11 @@ class InertialFilter {
     void scale(E& engine);
     void report_infeasible();
     void question_place(const GnssFix& fix, const AntennaState& then);
+    bool is_within_reach(const GnssFix& fix, const AntennaState& then);
     void reject_fix(Refusal refusal, const Port& port);
     void give_up_waiting();
     [[nodiscard]] AntennaState antenna() const;
+    [[nodiscard]] StampClock::Moment moment(double slack) const;
     void fault(const char* reason);
     [[nodiscard]] bool alone() const;
     [[nodiscard]] double wait_for_fix() const;
@@ -141,6 +145,8 @@ class InertialFilter {
     void start_again_level(E& engine, double angle);
     template <class E>
     void doubt_sensors(E& engine);
+    template <class E>
+    void doubt_attitude(E& engine);
     template <class E>
     void go_astray(E& engine);
     void publish_health();
@@ -160,16 +166,19 @@ class InertialFilter {
     HeadingFinder finder_;
     HeadingFinder leveller_;  // of a log, which turns with the computed attitude: it tells the tilt alone
     AttitudeLedger ledger_;
-    double opened_ = 0.0;      // when it was, by the filter's clock [s]
-    double clock_ = 0.0;       // the master's [s]
-    double forgetting_ = 0.0;  // for how long the H-infinity term has acted [s]
-    double last_fix_ = 0.0;    // by the filter's clock, when a fix was used last, or the start [s]
-    double gnss_used_ = 0.0;   // likewise, by the master's clock [s]
-    double gnss_every_ = 0.0;  // between the last two that were used [s]
-    double gnss_heard_ = 0.0;  // by the master's clock, when one came that could be compared [s]
-    double astray_ = 0.0;      // by how much the position may have gone, on the way back without fixes [m]
-    double astray_at_ = 0.0;   // when that was reckoned last [s]
-    double leaned_ = 0.0;      // by the filter's clock, when the ledger was told last how it may lean [s]
+    double opened_ = 0.0;        // when it was, by the filter's clock [s]
+    double clock_ = 0.0;         // the master's [s]
+    double forgetting_ = 0.0;    // for how long the H-infinity term has acted [s]
+    double last_fix_ = 0.0;      // by the filter's clock, when a fix was used last, or the start [s]
+    double gnss_used_ = 0.0;     // likewise, by the master's clock [s]
+    double gnss_every_ = 0.0;    // between the last two that were used [s]
+    double gnss_heard_ = 0.0;    // by the master's clock, when one came that could be compared [s]
+    double astray_ = 0.0;        // by how much the position may have gone, on the way back without fixes [m]
+    double astray_at_ = 0.0;     // when that was reckoned last [s]
+    double leaned_ = 0.0;        // by the filter's clock, when the ledger was told last how it may lean [s]
+    earth::Position far_place_;  // of fixes that are out of reach
+    double far_since_ = 0.0;     // when they began to be there, by the master's clock [s]
+    bool placed_ = false;        // a fix has told where it is
     bool under_way_ = false;
     bool was_sure_ = false;  // of its attitude, since it set out or that was in doubt
     bool told_long_interval_ = false;

@@ -7,8 +7,6 @@
 
 namespace truenorth {
 
-inline constexpr double kLeastSigma = 1e-6;  // better is no sensor, and no number [m/s], [rad], [m]
-
 // What a rung of the way back does without fixes.
 inline const char* deed_without_fixes(int rung, bool stays) {
     if (rung < Recovery::kSensors) {
@@ -65,8 +63,7 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPo
     }
     sigma = (sigma.array() > 0.0).select(sigma, aid.sigma).cwiseMax(kLeastSigma).eval();
     const double period = imu_.increment().dt;
-    const auto verdict = memory.clock.read(
-        port.time, {.now = imu_.time() + imu_.silent_for(), .offset = imu_.offset(), .slack = period});
+    const auto verdict = memory.clock.read(port.time, moment(period));
     if (verdict != StampClock::Verdict::accepted) {
         return refuse(refusal_of(verdict));
     }

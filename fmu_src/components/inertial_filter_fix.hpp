@@ -18,7 +18,8 @@ void take_sigmas(Innovation<N, M>& innovation, const GnssFix::Mask& measured,
         if (!measured(component)) {
             innovation.remove(i);
         } else if (sigma(component) > 0.0) {
-            innovation.noise(i, i) = sigma(component) * sigma(component);
+            const double told = std::max(sigma(component), kLeastSigma);
+            innovation.noise(i, i) = told * told;
         }
     }
 }
@@ -39,9 +40,7 @@ GnssFix InertialFilter<Interface, Engines...>::fix_at(const Port& port) {
 template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::take_fix() {
     const Port& port = inputs.gnss;
-    const auto verdict = gnss_.read(
-        port.sample, fix_at(port),
-        {.now = imu_.time() + imu_.silent_for(), .offset = imu_.offset(), .slack = imu_.increment().dt});
+    const auto verdict = gnss_.read(port.sample, fix_at(port), moment(imu_.increment().dt));
     const bool came = verdict != GnssInput::Verdict::stale;
     if (verdict == GnssInput::Verdict::accepted) {
         if (waiting_.full()) {
@@ -72,6 +71,11 @@ void InertialFilter<Interface, Engines...>::use(const Port& port, double valid_a
     const GnssFix::Mask measured = came.measured();
     gnss_heard_ = clock_;
     question_place(fix, *then);
+    const bool takes_place = std::visit([]<class E>(const E&) { return !E::kFindsPosition; }, engine_);
+    if (takes_place && (measured(0) || measured(1)) && !is_within_reach(fix, *then)) {
+        reject_fix(Refusal::unreachable, port);
+        return;
+    }
     if (measured(3) && measured(4)) {
         const double told = fix.sigma.segment<2>(3).maxCoeff();
         finder_.add(*then, fix.velocity, told > 0.0 ? told : parameters.measurement.velocity_sigma);
@@ -80,6 +84,38 @@ void InertialFilter<Interface, Engines...>::use(const Port& port, double valid_a
     if (!status_.faulted()) {
         std::visit([&](auto& engine) { correct(engine, port, fix, measured, *then); }, engine_);
     }
+}
+
+// Of a model that takes the place of a fix as it is: whether it can have come there from that of the last
+// one. Where the places stay the same for long, it has, somehow, and nothing is known of what happened on the
+// way.
+template <class Interface, class... Engines>
+bool InertialFilter<Interface, Engines...>::is_within_reach(const GnssFix& fix, const AntennaState& then) {
+    constexpr double kFastest = 100.0;  // of a vehicle, beyond what is known of it [m/s]
+    const double reach = kFar + (clock_ - gnss_used_) * (then.velocity.norm() + kFastest);
+    const auto from = [&fix](const earth::Position& place) {
+        return (earth::ecef(fix.position) - earth::ecef(place)).norm();
+    };
+    if (!placed_ || from(then.position) <= reach) {
+        placed_ = true;
+        far_since_ = clock_;
+        return true;
+    }
+    if (from(far_place_) > reach) {
+        far_place_ = fix.position;
+        far_since_ = clock_;
+    }
+    if (clock_ - far_since_ < Recovery::kCalm) {
+        return false;
+    }
+    std::visit([this](auto& engine) { this->doubt_attitude(engine); }, engine_);
+    recovery_.doubt(clock_);
+    far_since_ = clock_;
+    if (log_->listens()) {
+        log_->event(text("fixes have been ", std::round(from(then.position) / 1e3), " km away for ",
+                         Recovery::kCalm, " s: the filter takes their place, with its attitude in doubt"));
+    }
+    return true;
 }
 
 // The first fix tells whether the filter was sent to the right place.

@@ -8,9 +8,20 @@
 
 namespace truenorth {
 
+inline constexpr double kLeastSigma = 1e-6;  // better is no sensor, and no number [m/s], [rad], [m]
+
 // Over longer increments the two-sample compensation of coning and sculling loses what a swaying vehicle does
 // in between: 2 s on a ship that rolls in 8 s make a heading RMSE of 17 arcmin one of 70.
 inline constexpr double kLongestGoodInterval = 1.0;  // [s]
+
+// Where a vehicle that was last seen at a velocity [m/s] may be after `gap` [s] without increments.
+inline Uncertainty travelled_unseen(double gap, const Eigen::Vector3d& velocity) {
+    constexpr double kAcceleration = 1.0;  // of a vehicle, over more than a few seconds [m/s2]
+    const double speed = kAcceleration * gap;
+    const double way = gap * (velocity.norm() + speed);
+    return {.velocity = speed * speed * Eigen::Matrix3d::Identity(),
+            .position = way * way * Eigen::Matrix3d::Identity()};
+}
 
 // Finite, and where and as fast as a fix may be, with something to spare.
 inline bool possible(const NavigationState& state) {
@@ -97,6 +108,7 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
         memory->start(clock_);
     }
+    placed_ = false;
     was_sure_ = false;
     under_way_ = true;
 }
@@ -108,6 +120,18 @@ void InertialFilter<Interface, Engines...>::open_ledger(const E& engine) {
     ledger_.open(engine.covariance().diagonal().template segment<3>(attitude));
     opened_ = imu_.time();
     leaned_ = imu_.time();
+}
+
+// It is no better known than after a fault.
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::doubt_attitude(E& engine) {
+    if (!engine.is_coarse()) {  // which knows nothing of it as it is
+        const Eigen::Vector3d sigma(Recovery::kTilt, Recovery::kTilt, Recovery::kHeading);
+        engine.add_uncertainty({.attitude = sigma.cwiseAbs2().asDiagonal()});
+    }
+    open_ledger(engine);
+    was_sure_ = false;
 }
 
 // What was learned of the aids was learned from an attitude that is in doubt.
@@ -178,8 +202,7 @@ bool InertialFilter<Interface, Engines...>::watch() {
     if (sample == ImuInput::Verdict::rejected) {
         tell_of(sample);
     }
-    const auto verdict =
-        gnss_.read(inputs.gnss.sample, fix_at(inputs.gnss), {.now = imu_.time(), .offset = imu_.offset()});
+    const auto verdict = gnss_.read(inputs.gnss.sample, fix_at(inputs.gnss), moment(imu_.increment().dt));
     if (verdict == GnssInput::Verdict::accepted) {
         return filled(fix_at(inputs.gnss)).complete();
     }
@@ -209,16 +232,19 @@ void InertialFilter<Interface, Engines...>::start_over() {
     set_out({.state = {.q_bn = Eigen::Quaterniond(dcm(known ? last : level)),
                        .velocity = fix.velocity,
                        .position = fix.position}});
-    const Eigen::Vector3d sigma(Recovery::kTilt, Recovery::kTilt, Recovery::kHeading);
-    std::visit(
-        [&](auto& engine) {
-            engine.add_uncertainty({.attitude = sigma.cwiseAbs2().asDiagonal()});
-            open_ledger(engine);
-        },
-        engine_);
+    std::visit([this](auto& engine) { this->doubt_attitude(engine); }, engine_);
     if (log_->listens()) {
         log_->event(text("estimation starts over at ", rounded(clock_), " s, from the fix that came"));
     }
+}
+
+// When a stamp is read, if the next sample of the IMU comes so much later [s].
+template <class Interface, class... Engines>
+StampClock::Moment InertialFilter<Interface, Engines...>::moment(double slack) const {
+    return {.now = imu_.time() + imu_.silent_for(),
+            .offset = imu_.offset(),
+            .slack = slack,
+            .oldest = history_.oldest()};
 }
 
 // Whether there was one.
@@ -226,6 +252,7 @@ template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::take_sample() {
     const auto& port = inputs.imu;
     const bool had_fixes = imu_.time() - last_fix_ <= wait_for_fix();
+    const bool had_samples = imu_.any();
     const auto verdict = imu_.read(port.sample, port.time, port.delta_angle, port.delta_velocity, clock_);
     if (verdict == ImuInput::Verdict::stale) {
         return false;
@@ -234,6 +261,8 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
     if (verdict == ImuInput::Verdict::rejected) {
         return true;
     }
+    // The first sample of all goes on from where the filter was told to be, whatever its stamp.
+    const bool was_blind = had_samples && verdict == ImuInput::Verdict::resumed;
     warn_of_long_interval();
     const bool long_gap = imu_.gap() > 0 && imu_.increment().dt > kLongestGoodInterval;
     if (verdict == ImuInput::Verdict::resumed || long_gap) {
@@ -241,8 +270,15 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
     }
     const Prediction prediction = std::visit(
         [&](auto& engine) {
-            if (verdict == ImuInput::Verdict::resumed) {
+            if (was_blind) {
                 engine.forget(had_fixes);
+                if (!engine.is_coarse()) {
+                    const Eigen::Vector3d& velocity = engine.mechanisation().state.velocity;
+                    engine.add_uncertainty(travelled_unseen(imu_.blind_for(), velocity));
+                }
+                doubt_attitude(engine);
+            }
+            if (verdict == ImuInput::Verdict::resumed) {
                 open_ledger(engine);
                 nis_window_.restart();
                 history_ = AntennaHistory{};
@@ -281,7 +317,7 @@ void InertialFilter<Interface, Engines...>::tell_of(ImuInput::Verdict verdict) {
         return;
     }
     const auto& port = inputs.imu;
-    if (verdict == ImuInput::Verdict::resumed) {
+    if (verdict == ImuInput::Verdict::resumed && imu_.blind_for() > 0.0) {
         log_->event(text("IMU data resume at imu.time = ", port.time,
                          " s after a gap that cannot be bridged; the estimate starts again"));
     }
@@ -367,8 +403,12 @@ void InertialFilter<Interface, Engines...>::report(Prediction prediction) {
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::fault(const char* reason) {
     status_.fault();
-    if (log_->listens()) {
-        log_->event(text("estimation stopped at ", imu_.time(), " s: ", reason));
+    if (!log_->listens()) {
+        return;
+    }
+    if (const auto omitted = told_notices_.tell(Notice::faulted, clock_)) {
+        log_->event(
+            text("estimation stopped at ", imu_.time(), " s: ", reason, and_others(*omitted).c_str()));
     }
 }
 

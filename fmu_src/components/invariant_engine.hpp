@@ -150,7 +150,7 @@ void InvariantEngine<coloured>::start(const Start& start) {
 
 template <bool coloured>
 void InvariantEngine<coloured>::forget(bool has_fixes) {
-    know(this->prior_sigma.cwiseAbs2().asDiagonal());
+    know(this->sigma_at_start().cwiseAbs2().asDiagonal());
     if (resumes_coarsely && has_fixes) {
         coarse_.begin();
     }
@@ -288,7 +288,7 @@ void InvariantEngine<coloured>::place(const Eigen::Quaterniond& attitude, const 
     estimator.state.pose = {.attitude = attitude,
                             .velocity = fix.velocity - attitude * fix.velocity_arm,
                             .position = fix.position - attitude * fix.position_arm};
-    Vector<Base::kStates> sigma = this->prior_sigma;
+    Vector<Base::kStates> sigma = this->sigma_at_start();
     sigma.template segment<3>(M::kRotation).setConstant(kUnknownAngle);
     sigma.template segment<3>(M::kVelocity) = estimator.model.noise.velocity_sigma;
     sigma.template segment<3>(M::kPosition) = estimator.model.noise.position_sigma;
@@ -303,7 +303,7 @@ void InvariantEngine<coloured>::misalign(const Eigen::Matrix3d& C_bn, const Eige
     const double gravity = earth::gravity(latitude, 0.0);
     // At the poles the heading is as uncertain as it can be.
     const double north_rate =
-        std::max(earth::rate(latitude).y(), this->prior_sigma(M::kGyro) / kUnknownAngle);
+        std::max(earth::rate(latitude).y(), this->sigma_at_start()(M::kGyro) / kUnknownAngle);
     Matrix<3, 6> bias;
     bias << -up * east.transpose() / north_rate, skew(up) / gravity;
 

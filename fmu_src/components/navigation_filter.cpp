@@ -62,6 +62,9 @@ void NavigationFilter::hand_over() {
     const double valid_at = inputs.initial.time;
     try {
         if (valid_at >= 0.0 && std::abs(valid_at - now()) > kTimeTolerance) {
+            if (refused_) {
+                return;  // and said so
+            }
             rules::refuse("initial.time", valid_at,
                           text("that of the last IMU sample, ", now(), " s, or negative for just that"));
         }

@@ -7,6 +7,7 @@ template GnssFix NavigationFilterBase::fix_at(const Port& port);
 template bool NavigationFilterBase::take_fix();
 template void NavigationFilterBase::use(const Port& port, double valid_at);
 template void NavigationFilterBase::question_place(const GnssFix& fix, const AntennaState& then);
+template bool NavigationFilterBase::is_within_reach(const GnssFix& fix, const AntennaState& then);
 template void NavigationFilterBase::reject_fix(Refusal refusal, const Port& port);
 template void NavigationFilterBase::give_up_waiting();
 template void NavigationFilterBase::note_use(const GnssFix::Mask& measured);

@@ -14,15 +14,21 @@ constexpr int kConfirmations = 3;  // stamps in a row that show the same before 
 constexpr double kAlike = 0.1;     // [s]
 // A measurement that comes by so much later than those before is by another clock: nothing waits so long [s].
 constexpr double kLate = 10.0;
+// A link is slow, or has a queue to clear, for less [s].
+constexpr double kSlow = 60.0;
 
 }  // namespace
 
 // Whether so many stamps in a row have been off by the same that they are right by another clock.
-bool StampClock::strays_alike(double ahead) {
-    strays_ = strays_ > 0 && std::abs(ahead - ahead_) < kAlike ? strays_ + 1 : 1;
-    ahead_ = ahead;
+bool StampClock::strays_alike(double ahead, double now) {
+    if (strays_ == 0 || std::abs(ahead - ahead_) >= kAlike) {
+        strays_ = 0;
+        ahead_ = ahead;
+        strayed_ = now;
+    }
+    strays_ = std::min(strays_ + 1, kConfirmations);
     count_up(disagreements_);
-    return strays_ >= kConfirmations;
+    return strays_ == kConfirmations;
 }
 
 StampClock::Verdict StampClock::read(double stamp, const Moment& moment) {
@@ -33,22 +39,28 @@ StampClock::Verdict StampClock::read(double stamp, const Moment& moment) {
     const bool back = stamp <= last_stamp_;
     const bool future = ahead > kTimeTolerance + std::max(moment.slack, kAhead);
     const bool late = ahead + latency_ < -kLate;
+    const bool forgotten = stamp - offset_ < moment.oldest && ahead + quickest_ < -kAlike;
     if (together) {
         offset_ += set;
-    } else if (back || future || late) {
-        if (!strays_alike(ahead)) {
+    } else if (back || future || late || forgotten) {
+        const bool alike = strays_alike(ahead, moment.now);
+        const bool other = back || future || late;
+        if (!alike || (!other && moment.now - strayed_ < kSlow)) {
             if (back) {
                 return Verdict::backwards;
             }
             return future ? Verdict::future : Verdict::late;
         }
-        offset_ += ahead + latency_;
+        offset_ += ahead + (forgotten ? quickest_ : latency_);
     }
     strays_ = 0;
     imu_offset_ = moment.offset;
     last_stamp_ = stamp;
     valid_at_ = stamp - offset_;
     latency_ = moment.now - valid_at_;
+    if (valid_at_ >= moment.oldest) {
+        quickest_ = std::min(quickest_, latency_);
+    }
     return Verdict::accepted;
 }
 

@@ -3,7 +3,9 @@
 // A sensor's clock can be set, alone or together with the IMU's (a leap second), or be another one from the
 // beginning. A stamp from the future, or not after the last one, or far later than those before, is refused;
 // when a few in a row agree on how far the clock is off, they are believed, and measurements count as as old
-// as they were before; the first ones as of now.
+// as they were before; the first ones as of now. Where stamps lie before all that the filter remembers, and
+// did not use to, a slow link may be to blame, or a queue that is cleared: only after a minute is it the
+// clock, as of two clocks that have run apart.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +22,12 @@ class StampClock {
     static constexpr double kAhead = 0.1;
 
     // When it is read: by the filter's clock, of which `offset` is that of the IMU's stamps; `slack` is how
-    // long the IMU takes to the next sample [s].
+    // long the IMU takes to the next sample, `oldest` when the memory of the filter begins [s].
     struct Moment {
         double now = 0.0;
         double offset = 0.0;
         double slack = 0.0;
+        double oldest = std::numeric_limits<double>::lowest();
     };
 
     Verdict read(double stamp, const Moment& moment);
@@ -35,19 +38,22 @@ class StampClock {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(last_stamp_, valid_at_, offset_, imu_offset_, latency_, ahead_, strays_, disagreements_);
+        archive(last_stamp_, valid_at_, offset_, imu_offset_, latency_, quickest_, ahead_, strayed_, strays_,
+                disagreements_);
     }
 
   private:
-    bool strays_alike(double ahead);
+    bool strays_alike(double ahead, double now);
 
     double last_stamp_ = std::numeric_limits<double>::lowest();  // that was accepted [s]
     double valid_at_ = 0.0;
     double offset_ = 0.0;      // from the filter's clock [s]
     double imu_offset_ = 0.0;  // of the IMU's clock at the last accepted stamp [s]
     double latency_ = 0.0;     // of the last accepted measurement [s]
-    double ahead_ = 0.0;       // how far ahead of the filter's clock the last refused stamp was [s]
-    int strays_ = 0;           // refused stamps in a row that agree on it
+    double quickest_ = std::numeric_limits<double>::infinity();  // latency of those that could be used [s]
+    double ahead_ = 0.0;    // how far ahead of the filter's clock the first of the refused stamps was [s]
+    double strayed_ = 0.0;  // when that was read, by the filter's clock [s]
+    int strays_ = 0;        // refused stamps in a row that agree on it
     int disagreements_ = 0;
 };
 

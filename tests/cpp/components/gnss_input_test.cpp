@@ -67,7 +67,7 @@ TEST(GnssInput, TakesWhatIsNoNumberForNotMeasured) {
         *component = kNan;
     }
     GnssInput gnss;
-    EXPECT_EQ(gnss.read(1, nothing, kTen), Verdict::not_finite);
+    EXPECT_EQ(gnss.read(1, nothing, kTen), Verdict::empty);
 }
 
 TEST(GnssInput, RejectsSigmasThatAreNone) {
@@ -214,6 +214,77 @@ TEST(GnssInput, BelievesAClockThatIsBehindFromTheBeginning) {
         EXPECT_NEAR(valid_at, 20.0, 1e-6) << behind;
         EXPECT_EQ(gnss.disagreements(), 3) << behind;
     }
+}
+
+// The filter remembers the last 2.5 s. What comes from before is of no use, be the link slow or the clock
+// wrong; after a minute it is the clock.
+TEST(GnssInput, GoesOnWhenItsStampsAreFromBeforeAllThatIsRemembered) {
+    GnssInput gnss;
+    const auto read = [&](int second, double behind) {
+        GnssFix fix = fix_at(second - 0.2 - behind);
+        fix.velocity.x() += second;  // no two alike
+        return gnss.read(second, fix, {.now = 1.0 * second, .slack = 0.01, .oldest = second - 2.5});
+    };
+    for (int second = 1; second < 100; ++second) {
+        ASSERT_EQ(read(second, 0.0), Verdict::accepted);
+    }
+    for (int second = 105; second < 165; ++second) {
+        ASSERT_NE(read(second, 5.0), Verdict::accepted) << second;
+    }
+    for (int second = 165; second < 200; ++second) {
+        ASSERT_EQ(read(second, 5.0), Verdict::accepted) << second;
+        EXPECT_NEAR(gnss.valid_at(), second - 0.2, 1e-9);
+    }
+    for (int second = 200; second < 202; ++second) {  // and back
+        ASSERT_EQ(read(second, 0.0), Verdict::future);
+    }
+    EXPECT_EQ(read(202, 0.0), Verdict::accepted);
+    EXPECT_NEAR(gnss.valid_at(), 201.8, 1e-9);
+}
+
+TEST(GnssInput, ClocksThatRunApartAreFollowed) {
+    GnssInput gnss;
+    int refused = 0;
+    for (int second = 1; second <= 86400; ++second) {
+        GnssFix fix = fix_at(second * (1.0 - 2e-4) - 0.2);
+        refused += gnss.read(second, fix, {.now = 1.0 * second, .oldest = second - 2.5}) == Verdict::accepted
+                       ? 0
+                       : 1;
+    }
+    EXPECT_LT(refused, 86400 / 100);  // a minute each time that 2.3 s have run up
+    EXPECT_GT(gnss.valid_at(), 86400.0 - 2.5 - 0.2);
+}
+
+// As receivers put out that have no fix.
+TEST(GnssInput, ASigmaWithoutBoundsIsNoMeasurement) {
+    for (const double place : {4.3e6, 1e160}) {
+        GnssFix fix = fix_at(1.0);
+        fix.sigma << place, place, place, 1e4, 1e4, 1e4;
+        GnssInput gnss;
+        EXPECT_EQ(gnss.read(1, fix, kTen), Verdict::empty);
+        fix.sigma.tail<3>().setConstant(0.1);
+        EXPECT_EQ(gnss.read(2, fix, kTen), Verdict::accepted);
+        EXPECT_EQ(fix.measured().count(), 3);
+        EXPECT_EQ(fix.filled_from({.latitude = 0.1, .longitude = 0.2, .height = 3.0}, {}).position.height,
+                  3.0);
+    }
+}
+
+TEST(GnssInput, FindsAReceiverThatHangsAndMeasuresNoVelocity) {
+    GnssInput gnss;
+    GnssFix fix = fix_at(1.0);
+    fix.velocity.setConstant(kNan);
+    const auto read = [&](int sample) {
+        fix.time = 0.1 * sample;
+        return gnss.read(sample, fix, kTen);
+    };
+    EXPECT_EQ(read(1), Verdict::accepted);
+    EXPECT_EQ(read(2), Verdict::accepted);  // on a stand, perhaps
+    fix.position.height += 0.01;
+    EXPECT_EQ(read(3), Verdict::accepted);
+    EXPECT_EQ(read(4), Verdict::frozen);
+    fix.position.height += 0.01;
+    EXPECT_EQ(read(5), Verdict::accepted);
 }
 
 TEST(GnssInput, WaitsForMeasurementsThatComeLaterThanBefore) {

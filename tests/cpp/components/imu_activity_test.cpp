@@ -42,6 +42,38 @@ TEST(ImuActivity, FindsAnAxisThatStandsStillWhateverTheRoundingOfTheStamps) {
     }
 }
 
+// One second of motion, then a fault, again and again: that it has stood still for long once does not make
+// it usual.
+TEST(ImuActivity, FindsAnAxisThatStandsStillASecondTime) {
+    for (const int length : {6000, 20000}) {
+        ImuActivity activity;
+        for (int fault = 0; fault < 4; ++fault) {
+            for (int k = 1; k <= 100; ++k) {
+                activity.add(Rates::Constant(0.1 * std::sin(0.7 * k)), 0.01);
+            }
+            int found = 0;
+            for (int k = 1; k <= length && found == 0; ++k) {
+                activity.add(Rates::Constant(0.02), 0.01);
+                found = activity.stuck().all() ? k : 0;
+            }
+            for (int k = found; k < length; ++k) {
+                activity.add(Rates::Constant(0.02), 0.01);
+            }
+            EXPECT_GT(found, 0) << length << ", " << fault;
+            EXPECT_LE(found, 12 + 60 * fault * (1 + fault)) << length << ", " << fault;
+        }
+    }
+}
+
+// A vehicle without noise that stands, accelerates and goes on: nothing is stuck.
+TEST(ImuActivity, WhatSeldomChangesMayStand) {
+    ImuActivity activity;
+    for (int k = 1; k <= 6000; ++k) {
+        activity.add(Rates::Constant(k > 500 && k <= 1500 ? 1.0 : 0.1), 0.01);
+        ASSERT_FALSE(activity.stuck().any()) << k;
+    }
+}
+
 TEST(ImuActivity, CountsForHowLong) {
     ImuActivity activity;
     for (int k = 1; k <= 140; ++k) {

@@ -253,6 +253,63 @@ TEST_F(ImuInputTest, ACountOfWhatALoggerSummedUpIsLearned) {
     }
 }
 
+// 250 or 150 raw samples a second, in increments of a hundredth of a second.
+TEST_F(ImuInputTest, ACountThatAdvancesUnevenlyIsLearned) {
+    for (const double raw : {2.5, 1.5}) {
+        imu.start(100.0);
+        for (int k = 1; k <= 100; ++k) {
+            sample = static_cast<int>(raw * k);
+            time = clock = 100.0 + kPeriod * k;
+            ASSERT_EQ(noisy(), Verdict::accepted);
+            EXPECT_NEAR(imu.increment().dt, kPeriod, 1e-9);
+            if (k > 6) {
+                EXPECT_EQ(imu.finding(), Finding::none) << raw << ", " << k;
+            }
+        }
+        EXPECT_EQ(imu.missed(), 0) << raw;
+        sample = static_cast<int>(raw * 103.0);  // two are lost
+        time = clock = 101.03;
+        EXPECT_EQ(noisy(), Verdict::accepted);
+        EXPECT_EQ(imu.gap(), 2) << raw;
+        sample = static_cast<int>(raw * 104.0) + 10;  // the count leaps alone
+        time = clock = 101.04;
+        EXPECT_EQ(noisy(), Verdict::accepted);
+        EXPECT_EQ(imu.finding(), Finding::count_leapt) << raw;
+    }
+}
+
+TEST_F(ImuInputTest, ALostSampleIsMissedHoweverStrongTheForceIs) {
+    for (const double force : {1.0, 2.0, 4.0}) {  // of gravity, after a minute of level flight
+        imu.start(100.0);
+        sample = 0;
+        time = clock = 100.0;
+        run(6000);
+        const Vector3d pulled = (force - 1.0) * kVelocity;
+        for (int k = 0; k < 50; ++k) {
+            ++sample;
+            time = clock = clock + kPeriod;
+            noisy(Vector3d::Zero(), pulled);
+        }
+        sample += 2;
+        time = clock = clock + 2.0 * kPeriod;
+        noisy(Vector3d::Zero(), pulled);
+        EXPECT_EQ(imu.missed(), 1) << force;
+        EXPECT_NEAR(imu.increment().delta_velocity.norm(), 2.0 * force * kVelocity.norm(), 0.02) << force;
+    }
+}
+
+TEST_F(ImuInputTest, TellsForHowLongNothingWasSeen) {
+    run(100);
+    EXPECT_EQ(imu.blind_for(), 0.0);
+    sample += 1000;
+    time += 10.5;
+    clock += 10.5;
+    EXPECT_EQ(noisy(), Verdict::resumed);
+    EXPECT_NEAR(imu.blind_for(), 10.5 - kPeriod, 1e-9);
+    run(1);
+    EXPECT_EQ(imu.blind_for(), 0.0);
+}
+
 TEST_F(ImuInputTest, ACountThatWrapsGoesOn) {
     constexpr int kMost = std::numeric_limits<int>::max();
     constexpr int kLeast = std::numeric_limits<int>::min();
