@@ -127,18 +127,18 @@ void InertialFilter<Interface, Engines...>::publish_status() {
     if (state == was || !log_->listens()) {
         return;
     }
-    const auto tell = [this](Notice notice, auto&&... parts) {
-        if (const auto omitted = told_notices_.tell(notice, clock_)) {
-            log_->event(text(parts..., and_others(*omitted).c_str()));
-        }
-    };
     if (state == State::inconsistent) {
-        tell(Notice::contradicted, "the covariance is contradicted at ", rounded(clock_),
-             " s: ", reason(against), "; nis_mean is ", rounded(outputs.nis_mean));
+        if (const auto omitted = told_notices_.tell(Notice::contradicted, clock_)) {
+            log_->event(text("the covariance is contradicted at ", rounded(clock_), " s: ", reason(against),
+                             "; nis_mean is ", rounded(outputs.nis_mean), and_others(*omitted).c_str()));
+        }
     }
     if (state == State::silent) {
-        tell(Notice::silent, "no usable IMU sample since ", rounded(clock_ - imu_.silent_for()),
-             " s by the master's clock: the estimate stands still");
+        if (const auto omitted = told_notices_.tell(Notice::silent, clock_)) {
+            log_->event(text("no usable IMU sample since ", rounded(clock_ - imu_.silent_for()),
+                             " s by the master's clock: the estimate stands still",
+                             and_others(*omitted).c_str()));
+        }
     }
     if (outputs.converged || was == State::converged) {
         log_->event(
