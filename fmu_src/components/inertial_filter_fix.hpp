@@ -18,8 +18,7 @@ void take_sigmas(Innovation<N, M>& innovation, const GnssFix::Mask& measured,
         if (!measured(component)) {
             innovation.remove(i);
         } else if (sigma(component) > 0.0) {
-            const double told = std::max(sigma(component), kLeastSigma);
-            innovation.noise(i, i) = told * told;
+            innovation.noise(i, i) = sigma(component) * sigma(component);
         }
     }
 }
@@ -30,6 +29,7 @@ GnssFix InertialFilter<Interface, Engines...>::fix_at(const Port& port) {
                 .position = {.latitude = port.latitude, .longitude = port.longitude, .height = port.height},
                 .velocity = port.velocity};
     fix.sigma << port.fix_position_sigma, port.fix_velocity_sigma;
+    fix.sigma = (fix.sigma > 0.0).select(fix.sigma.max(kLeastSigma), fix.sigma).eval();
     if constexpr (requires { port.channel.valid; }) {
         fix.has_channels = std::ranges::any_of(port.channel.valid, [](bool valid) { return valid; });
     }

@@ -96,6 +96,8 @@ struct Adapter<Invariant<coloured>> : PositionFix {
         const Eigen::Quaterniond to_body = then.q_bn.conjugate();
         const Eigen::Vector3d omega_ib_b = then.omega_eb_b + to_body * earth::rate(then.position.latitude);
         auto fix = Model::Fix::of(seen.fix.position, seen.fix.velocity, seen.lever_arm, omega_ib_b);
+        fix.position_sigma = seen.fix.sigma.template head<3>();
+        fix.velocity_sigma = seen.fix.sigma.template tail<3>();
         const double late = seen.since.duration();
         if (late > kTimeTolerance) {
             const Eigen::Vector3d gained = to_body * (late * seen.since.force());

@@ -290,8 +290,8 @@ void InvariantEngine<coloured>::place(const Eigen::Quaterniond& attitude, const 
                             .position = fix.position - attitude * fix.position_arm};
     Vector<Base::kStates> sigma = this->sigma_at_start();
     sigma.template segment<3>(M::kRotation).setConstant(kUnknownAngle);
-    sigma.template segment<3>(M::kVelocity) = estimator.model.noise.velocity_sigma;
-    sigma.template segment<3>(M::kPosition) = estimator.model.noise.position_sigma;
+    sigma.template segment<3>(M::kVelocity) = estimator.model.velocity_sigma(fix);
+    sigma.template segment<3>(M::kPosition) = estimator.model.position_sigma(fix);
     know(sigma.cwiseAbs2().asDiagonal());
 }
 

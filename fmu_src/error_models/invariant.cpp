@@ -211,9 +211,19 @@ auto Invariant<coloured>::measurement_matrix(const State& x, const Fix& fix)
 }
 
 template <bool coloured>
+Eigen::Vector3d Invariant<coloured>::position_sigma(const Fix& fix) const {
+    return (fix.position_sigma.array() > 0.0).select(fix.position_sigma, noise.position_sigma);
+}
+
+template <bool coloured>
+Eigen::Vector3d Invariant<coloured>::velocity_sigma(const Fix& fix) const {
+    return (fix.velocity_sigma.array() > 0.0).select(fix.velocity_sigma, noise.velocity_sigma);
+}
+
+template <bool coloured>
 Matrix<Invariant<coloured>::kMeasurements> Invariant<coloured>::measurement_noise(const State& /*x*/,
-                                                                                  const Fix& /*fix*/) const {
-    return fix_covariance(noise.position_sigma, noise.velocity_sigma);
+                                                                                  const Fix& fix) const {
+    return fix_covariance(position_sigma(fix), velocity_sigma(fix));
 }
 
 template <bool coloured>

@@ -90,6 +90,9 @@ class Invariant {
         Eigen::Vector3d lever_arm;     // body [m]
         Eigen::Vector3d position_arm;  // body: l [m]
         Eigen::Vector3d velocity_arm;  // body: omega x l [m/s]
+        // As this fix tells them, east, north, up [m], [m/s]; 0: those of `noise`.
+        Eigen::Vector3d position_sigma = Eigen::Vector3d::Zero();
+        Eigen::Vector3d velocity_sigma = Eigen::Vector3d::Zero();
 
         // From a position, a velocity relative to the Earth (ENU) [m/s], the lever arm [m] and the body rate
         // less the estimate of the gyros' error [rad/s].
@@ -102,11 +105,16 @@ class Invariant {
 
         template <class Archive>
         void serialize(Archive& archive) {
-            archive(C_en, position, velocity, lever_arm, position_arm, velocity_arm);
+            archive(C_en, position, velocity, lever_arm, position_arm, velocity_arm, position_sigma,
+                    velocity_sigma);
         }
     };
 
     Noise noise{};
+
+    // Of a fix, east, north, up [m], [m/s].
+    [[nodiscard]] Eigen::Vector3d position_sigma(const Fix& fix) const;
+    [[nodiscard]] Eigen::Vector3d velocity_sigma(const Fix& fix) const;
 
     [[nodiscard]] static State retract(const State& x, const Deviation& deviation);
     [[nodiscard]] static Deviation local(const State& x, const State& other);

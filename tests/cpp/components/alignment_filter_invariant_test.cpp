@@ -99,6 +99,37 @@ TEST(AlignmentFilterInvariant, ErrsAsItsSigmaSays) {
     }
 }
 
+// Be it the parameters or the fixes that say it, in the coarse stage as after it.
+TEST(AlignmentFilterInvariant, BelievesWhatFixesSayOfThemselvesFromTheFirstOn) {
+    const auto after = [](double seconds, bool told) {
+        constexpr double kPlace = 4.0;
+        constexpr double kSpeed = 0.3;
+        FedFilter fed;
+        Draws draw(7);
+        Trial run{.heading_error = 90.0 * kDegree};
+        run.fix_noise = [&](int) { return draw(kSpeed); };
+        if (told) {
+            fed.filter.inputs.gnss.fix_position_sigma.setConstant(kPlace);
+            fed.filter.inputs.gnss.fix_velocity_sigma.setConstant(kSpeed);
+        } else {
+            fed.filter.parameters.measurement.position_sigma = kPlace;
+            fed.filter.parameters.measurement.height_sigma = kPlace;
+            fed.filter.parameters.measurement.velocity_sigma = kSpeed;
+        }
+        run.seconds(fed, seconds);
+        return fed.filter.outputs;
+    };
+    for (const double seconds : {30.0, 200.0}) {
+        const auto one = after(seconds, true);
+        const auto other = after(seconds, false);
+        EXPECT_EQ(one.status, other.status) << seconds;
+        EXPECT_EQ(one.nav.heading, other.nav.heading) << seconds;
+        EXPECT_EQ(one.heading_sigma, other.heading_sigma) << seconds;
+        EXPECT_EQ(one.velocity_sigma, other.velocity_sigma) << seconds;
+        EXPECT_EQ(one.position_sigma, other.position_sigma) << seconds;
+    }
+}
+
 TEST(AlignmentFilterInvariant, SaysWhatStageItIsIn) {
     FedFilter fed;
     Draws draw(3);
