@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -72,15 +70,8 @@ def content_of_fmu(archive: Path) -> list[str]:
     try:
         members = read_archive(archive)
         as_written = is_as_written(archive)
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        ValueError,
-        NotImplementedError,
-        EOFError,
-        OSError,
-    ) as error:
-        return [f"{archive.name} is damaged: {error}"]
+    except InputError as error:
+        return [str(error)]
     listed = members.pop(f"{FOLDER}/{checksums.NAME}", None)
     if listed is None:
         return [
