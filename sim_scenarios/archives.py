@@ -61,23 +61,25 @@ def write_archive(
     archive.write_bytes(content)
 
 
-def read_archive(archive: Path) -> dict[str, bytes]:
-    """Members by their names; folders are none.
+def read_archive(archive: Path, wanted: Callable[[str], bool] = lambda _: True) -> dict[str, bytes]:
+    """Members by their names, all or those with a wanted name; folders are none.
 
     Raises
     ------
     InputError
-        The file is damaged, or a member is packed or marked as none that is written here.
+        The file is damaged, names a member twice, or packs or marks one as none is that is written here.
     """
-    return of_members(archive, lambda member: member.read())
+    return of_members(archive, lambda member: member.read(), wanted)
 
 
-def of_members(archive: Path, look: Callable[[IO[bytes]], T]) -> dict[str, T]:
-    """What `look` makes of each member, by name; raises as `read_archive` does."""
+def of_members(
+    archive: Path, look: Callable[[IO[bytes]], T], wanted: Callable[[str], bool] = lambda _: True
+) -> dict[str, T]:
+    """What `look` makes of each member, by name; otherwise as `read_archive`."""
     found = {}
     with _opened(archive) as content:
         for entry in content.infolist():
-            if not entry.is_dir():
+            if not entry.is_dir() and wanted(entry.filename):
                 with content.open(entry) as member:
                     found[entry.filename] = look(member)
     return found
@@ -101,7 +103,7 @@ def is_as_written(archive: Path) -> bool:
             same.append(content[begin - len(header) : begin] == header)
             same.append(_is_one_stream(content[begin:position], entry.file_size))
     names, count = [entry.filename for entry in entries], len(entries)
-    same.append(names == sorted(set(names)) and all(map(_may_be_member, names)))
+    same.append(names == sorted(names) and all(map(_may_be_member, names)))
     end = struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, count, count, len(directory), position, 0)
     return all(same) and content[position:] == directory + end
 
@@ -120,7 +122,11 @@ def _opened(archive: Path) -> Iterator[zipfile.ZipFile]:
     whole = io.BytesIO(archive.read_bytes())
     try:
         with zipfile.ZipFile(whole) as content:
+            names = set()
             for entry in content.infolist():
+                if entry.filename in names:
+                    raise zipfile.BadZipFile(f"{entry.filename!a} is in it twice")
+                names.add(entry.filename)
                 if entry.flag_bits & ~_UNICODE_NAME or entry.compress_type not in _PACKED:
                     raise zipfile.BadZipFile(
                         f"{entry.filename!a} has the flags {entry.flag_bits:#x} and the compression "

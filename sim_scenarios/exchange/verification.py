@@ -67,18 +67,16 @@ def content_of_folder(folder: Path) -> list[str]:
 
 def content_of_fmu(archive: Path) -> list[str]:
     """Differences from the list of checksums in an FMU."""
+    own = f"{FOLDER}/{checksums.NAME}"
     try:
-        members = read_archive(archive)
+        found, listed = checksums.of_archive(archive), read_archive(archive, lambda name: name == own)
         as_written = is_as_written(archive)
     except InputError as error:
         return [str(error)]
-    listed = members.pop(f"{FOLDER}/{checksums.NAME}", None)
-    if listed is None:
-        return [
-            f"{archive.name} has no {FOLDER}/{checksums.NAME}; it is damaged, or not from `truenorth export`"
-        ]
-    found = checksums.differences(members, listed)
-    return found if as_written else [*found, f"{archive.name}: the zip archive has changed"]
+    if found.pop(own, None) is None:
+        return [f"{archive.name} has no {own}; it is damaged, or not from `truenorth export`"]
+    different = checksums.differences(found, listed[own])
+    return different if as_written else [*different, f"{archive.name}: the zip archive has changed"]
 
 
 def _valid(archive: Path) -> Check:

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
+import re
+import socket
+import struct
+import sys
+import zipfile
+import zlib
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from sim_scenarios.archives import archive_bytes, read_archive
 from sim_scenarios.exchange import checksums, evidence
-from sim_scenarios.exchange.verification import content_of_fmu
+from sim_scenarios.exchange.verification import content_of_fmu, content_of_folder
 
 MEMBERS = {"modelDescription.xml": b"<fmiModelDescription/>\n", "resources/a.txt": b"seed 7\n" * 4}
 
@@ -45,3 +54,124 @@ def test_an_fmu_that_is_cut_short_is_found(fmu: Path) -> None:
     for length in range(len(whole)):
         fmu.write_bytes(whole[:length])
         assert content_of_fmu(fmu), length
+
+
+def changed_by_hand(path: Path, members: list[tuple[str, bytes]]) -> None:
+    """An archive with any names, in any order, each as `archive_bytes` packs it."""
+    with zipfile.ZipFile(path, "w") as content:
+        for name, member in members:
+            entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3
+            entry.external_attr = 0o644 << 16
+            content.writestr(entry, member)
+
+
+def listed_members() -> list[tuple[str, bytes]]:
+    return sorted(checksums.with_list(MEMBERS, evidence.FOLDER).items())
+
+
+def test_an_archive_made_by_hand_passes_if_it_is_the_same(fmu: Path) -> None:
+    changed_by_hand(fmu, listed_members())
+    assert fmu.read_bytes() == fmu_bytes()
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize("place", [0, -1])
+def test_a_member_that_is_there_twice_is_found(fmu: Path, place: int) -> None:
+    """One tool takes the first, another the last."""
+    members = listed_members()
+    name, content = members[place]
+    for twice in ([(name, b"mine"), *members], [*members, (name, content)]):
+        changed_by_hand(fmu, twice)
+        assert content_of_fmu(fmu) == [f"small.fmu is damaged: '{name}' is in it twice"]
+
+
+def test_members_in_another_order_are_found(fmu: Path) -> None:
+    changed_by_hand(fmu, listed_members()[::-1])
+    assert content_of_fmu(fmu) == ["small.fmu: the zip archive has changed"]
+
+
+def test_a_member_that_would_lie_outside_is_found_though_it_is_listed(fmu: Path) -> None:
+    changed_by_hand(fmu, sorted(checksums.with_list({"../mine": b""}, evidence.FOLDER).items()))
+    assert content_of_fmu(fmu) == ["small.fmu: the zip archive has changed"]
+
+
+def test_what_hides_between_two_members_is_found(fmu: Path) -> None:
+    """Compressed data says by itself where it ends; what follows is read by nobody."""
+    members, hidden = listed_members(), b"mine"
+    pack = zlib.compressobj(wbits=-zlib.MAX_WBITS)
+    whole = bytearray(fmu_bytes())
+    packed = pack.compress(members[0][1]) + pack.flush()
+    end = whole.index(packed) + len(packed)
+    whole[end:end] = hidden
+    longer = struct.pack("<L", len(packed) + len(hidden))
+    directory = whole.index(b"PK\1\2")
+    for header in (18, directory + 20):  # compressed size, in both headers of the first member
+        whole[header : header + 4] = longer
+    for at in find_all(whole, b"PK\1\2")[1:]:  # the places of the others
+        moved = struct.unpack_from("<L", whole, at + 42)[0] + len(hidden)
+        struct.pack_into("<L", whole, at + 42, moved)
+    struct.pack_into("<L", whole, len(whole) - 6, directory)
+    fmu.write_bytes(whole)
+    assert read_archive(fmu) == dict(members)
+    assert content_of_fmu(fmu) == ["small.fmu: the zip archive has changed"]
+
+
+def find_all(whole: bytearray, what: bytes) -> list[int]:
+    return [match.start() for match in re.finditer(re.escape(what), whole)]
+
+
+@pytest.mark.parametrize("line", ["0" * 64 + "  resources/a.txt\n", "\n", "nonsense\n"])
+def test_a_list_that_names_a_file_twice_or_none_is_damaged(line: str) -> None:
+    sums = {name: hashlib.sha256(content).hexdigest() for name, content in MEMBERS.items()}
+    whole = checksums.listed(MEMBERS)
+    assert checksums.differences(sums, whole.encode()) == []
+    for damaged in (line + whole, whole + line):
+        assert checksums.differences(sums, damaged.encode()) == ["SHA256SUMS is damaged"]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A small folder with its list of checksums."""
+    path = tmp_path / "export"
+    for name, content in {**MEMBERS, checksums.NAME: checksums.listed(MEMBERS).encode()}.items():
+        (path / name).parent.mkdir(parents=True, exist_ok=True)
+        (path / name).write_bytes(content)
+    assert content_of_folder(path) == []
+    return path
+
+
+UNLISTED: dict[str, Callable[[Path, Path], object]] = {
+    "file": lambda path, _: path.write_bytes(b""),
+    "empty folder": lambda path, _: path.mkdir(),
+    "link to a file": lambda path, export: path.symlink_to(export / "modelDescription.xml"),
+    "link to a folder": lambda path, export: path.symlink_to(export / "resources"),
+    "link to itself": lambda path, _: path.symlink_to(path),
+    "broken link": lambda path, _: path.symlink_to("nowhere"),
+    "pipe": lambda path, _: os.mkfifo(path),
+    "socket": lambda path, _: socket.socket(socket.AF_UNIX).bind(str(path)),
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links and pipes of POSIX")
+@pytest.mark.parametrize("kind", UNLISTED)
+@pytest.mark.parametrize("name", ["mine", "resources/mine"])
+def test_whatever_is_not_listed_is_found(
+    folder: Path, kind: str, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder.parent)  # the name of a socket is short
+    UNLISTED[kind](folder.relative_to(folder.parent) / name, folder)
+    assert content_of_folder(folder) == [f"{name} was not exported"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links of POSIX")
+@pytest.mark.parametrize(
+    ("name", "found"), [("resources/a.txt", "has changed"), ("SHA256SUMS", "was not exported")]
+)
+def test_a_link_in_the_place_of_a_file_is_found(folder: Path, name: str, found: str) -> None:
+    """What it points to may change after it was looked at."""
+    elsewhere = folder.parent / "elsewhere"
+    (folder / name).rename(elsewhere)
+    (folder / name).symlink_to(elsewhere)
+    assert content_of_folder(folder) == [f"{name} {found}"]
