@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 
 from sim_scenarios.cli.options import AsJson
 from sim_scenarios.cli.terminal import console, print_json, print_verdict, refusing_bad_input
@@ -35,8 +36,16 @@ def verify_export(
     else:
         page = console()
         for check in checks:
-            page.print(f"{'holds' if check.holds else 'FAILS'}  {check.what}", highlight=False, markup=False)
+            _print_line(page, f"{'holds' if check.holds else 'FAILS'}  {check.what}")
             for finding in check.findings:
-                page.print(f"       {finding}", highlight=False, markup=False)
+                _print_line(page, f"       {finding}")
         print_verdict("All of it holds" if holds else "Not all of it holds", holds)
     raise typer.Exit(0 if holds else 1)
+
+
+def _print_line(page: Console, text: str) -> None:
+    """One line, whatever names of files are in it."""
+    from sim_scenarios.names import printable  # slow: pydantic
+
+    line = printable(text).replace("\n", "\\n").replace("\t", "\\t")
+    page.print(line, highlight=False, markup=False, emoji=False)

@@ -14,8 +14,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from sim_scenarios.archives import archive_bytes, read_archive
+from sim_scenarios.cli.application import app
 from sim_scenarios.exchange import checksums, evidence
 from sim_scenarios.exchange.verification import content_of_fmu, content_of_folder
 
@@ -175,3 +177,27 @@ def test_a_link_in_the_place_of_a_file_is_found(folder: Path, name: str, found: 
     (folder / name).rename(elsewhere)
     (folder / name).symlink_to(elsewhere)
     assert content_of_folder(folder) == [f"{name} {found}"]
+
+
+SLY = [
+    "\x1b[2J",
+    "\x1b]0;mine\x07",
+    "a\nholds  b",
+    "a\rb",
+    "\x9b2J",
+    "\u202etxt.exe",
+    "a\tb",
+    ":skull:",
+    "[red]a",
+]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="names that Windows has not")
+@pytest.mark.parametrize("name", SLY)
+def test_no_name_of_a_file_commands_the_terminal(folder: Path, name: str) -> None:
+    """Nor does it look like a line, or a name, that is not there."""
+    (folder / name).write_bytes(b"")
+    page = CliRunner().invoke(app, ["verify", str(folder)], env={"FORCE_COLOR": None}).output
+    assert len(page.splitlines()) == 5, page
+    assert all(one.isprintable() for line in page.splitlines() for one in line), page
+    assert f"{ascii(name)[1:-1]} was not exported" in page
