@@ -16,6 +16,9 @@ from sim_scenarios.errors import InputError
 
 T = TypeVar("T")
 
+LARGEST: Final = 2**31
+"""Bytes that a whole archive may have, and all its members unpacked."""
+
 _EARLIEST = (1980, 1, 1, 0, 0, 0)  # that a zip archive can state
 _NEVER = re.compile(r"[\x00-\x1f\x7f\\:]")  # control characters, and what Windows takes for a path
 _LOCAL_HEADER = 30  # bytes, the name left out
@@ -40,10 +43,14 @@ def as_bytes(content: str | bytes) -> bytes:
 def archive_bytes(members: Mapping[str, str | bytes], compression: int = zipfile.ZIP_DEFLATED) -> bytes:
     """An archive of texts and bytes, by the names that they have in it.
 
-    A member that would lie outside the folder into which the archive is unpacked is refused.
+    A member that would lie outside the folder into which the archive is unpacked is refused, and more than
+    LARGEST bytes.
     """
     for name in members:
         _check_member(name)
+    size = sum(len(as_bytes(member)) for member in members.values())
+    if size > LARGEST:
+        raise InputError(f"{len(members)} members of an archive have {size} bytes: must be at most {LARGEST}")
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w") as content:
         for name, member in sorted(members.items()):
@@ -67,7 +74,8 @@ def read_archive(archive: Path, wanted: Callable[[str], bool] = lambda _: True) 
     Raises
     ------
     InputError
-        The file is damaged, names a member twice, or packs or marks one as none is that is written here.
+        The file is damaged, names a member twice, packs or marks one as none is that is written here, or
+        says of itself that unpacked it has more than LARGEST bytes; nothing of that is unpacked.
     """
     return of_members(archive, lambda member: member.read(), wanted)
 
@@ -119,6 +127,8 @@ def _is_one_stream(packed: bytes, size: int) -> bool:
 @contextmanager
 def _opened(archive: Path) -> Iterator[zipfile.ZipFile]:
     """An archive whose members are such as are written here; what is wrong with it becomes an InputError."""
+    if (size := archive.stat().st_size) > LARGEST:
+        raise InputError(f"{archive.name} has {size} bytes: must be at most {LARGEST}")
     whole = io.BytesIO(archive.read_bytes())
     try:
         with zipfile.ZipFile(whole) as content:
@@ -132,6 +142,9 @@ def _opened(archive: Path) -> Iterator[zipfile.ZipFile]:
                         f"{entry.filename!a} has the flags {entry.flag_bits:#x} and the compression "
                         f"{entry.compress_type}: must be 0 or {_UNICODE_NAME:#x}, and 0 or 8"
                     )
+            size = sum(entry.file_size for entry in content.infolist())
+            if size > LARGEST:
+                raise zipfile.BadZipFile(f"unpacked it has {size} bytes: must be at most {LARGEST}")
             yield content
     except _UNREADABLE as error:
         raise InputError(f"{archive.name} is damaged: {str(error) or type(error).__name__}") from error

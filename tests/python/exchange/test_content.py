@@ -8,6 +8,7 @@ import re
 import socket
 import struct
 import sys
+import tracemalloc
 import zipfile
 import zlib
 from collections.abc import Callable
@@ -16,10 +17,12 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from sim_scenarios import archives
 from sim_scenarios.archives import archive_bytes, read_archive
 from sim_scenarios.cli.application import app
-from sim_scenarios.exchange import checksums, evidence
-from sim_scenarios.exchange.verification import content_of_fmu, content_of_folder
+from sim_scenarios.errors import InputError
+from sim_scenarios.exchange import checksums, evidence, replay
+from sim_scenarios.exchange.verification import content_of_fmu, content_of_folder, verify
 
 MEMBERS = {"modelDescription.xml": b"<fmiModelDescription/>\n", "resources/a.txt": b"seed 7\n" * 4}
 
@@ -201,3 +204,66 @@ def test_no_name_of_a_file_commands_the_terminal(folder: Path, name: str) -> Non
     assert len(page.splitlines()) == 5, page
     assert all(one.isprintable() for line in page.splitlines() for one in line), page
     assert f"{ascii(name)[1:-1]} was not exported" in page
+
+
+@pytest.mark.parametrize("size", [2**31, 2**32 - 1])
+def test_an_archive_that_says_it_is_too_large_is_not_unpacked(fmu: Path, size: int) -> None:
+    whole = bytearray(fmu.read_bytes())
+    struct.pack_into("<L", whole, whole.index(b"PK\1\2") + 24, size)
+    fmu.write_bytes(whole)
+    (found,) = content_of_fmu(fmu)
+    assert re.fullmatch(rf"small\.fmu is damaged: unpacked it has \d+ bytes: must be at most {2**31}", found)
+
+
+def test_an_archive_that_says_too_little_is_found(fmu: Path) -> None:
+    whole = bytearray(fmu.read_bytes())
+    for header in (22, whole.index(b"PK\1\2") + 24):
+        struct.pack_into("<L", whole, header, 1)
+    fmu.write_bytes(whole)
+    assert content_of_fmu(fmu)
+
+
+def test_a_large_member_is_looked_at_piece_by_piece(fmu: Path) -> None:
+    """64 MB of zeros in 64 kB."""
+    fmu.write_bytes(archive_bytes(checksums.with_list({"zeros": bytes(2**26)}, evidence.FOLDER)))
+    tracemalloc.start()
+    try:
+        assert content_of_fmu(fmu) == []
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 2**24
+
+
+def test_no_archive_is_written_that_would_be_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(archives, "LARGEST", 30)
+    assert archive_bytes({"a": b"0" * 10, "b": "0" * 20})
+    with pytest.raises(InputError, match="2 members of an archive have 31 bytes: must be at most 30"):
+        archive_bytes({"a": b"0" * 10, "b": "0" * 21})
+
+
+NONSENSE = [
+    {},
+    {"modelDescription.xml": b"<"},
+    {"modelDescription.xml": b"<fmiModelDescription/>", f"{replay.FOLDER}/experiments.xml": b"<"},
+    {f"{replay.FOLDER}/experiments.xml": b"<Experiments/>"},
+    {f"{replay.FOLDER}/experiments.xml": b"<Experiments><Experiment stopTime='x'/></Experiments>"},
+]
+
+
+@pytest.mark.parametrize("members", NONSENSE)
+def test_nonsense_with_a_right_list_does_not_hold(folder: Path, members: dict[str, bytes]) -> None:
+    files = {
+        "mine.fmu": archive_bytes(checksums.with_list(members, evidence.FOLDER)),
+        "mine.ssp": archive_bytes({"SystemStructure.ssd": b"<"}),
+        "other.ssp": b"PK",
+    }
+    listed = checksums.listed({**MEMBERS, **files})
+    for name, content in {**files, checksums.NAME: listed.encode()}.items():
+        (folder / name).write_bytes(content)
+    for path in (folder, folder / "mine.fmu"):
+        content, *looks = verify(path)
+        assert content.holds
+        assert looks
+        assert not any(look.holds for look in looks)
+        assert all(look.findings for look in looks)
