@@ -74,9 +74,9 @@ class Instance {
     // For what concerns continuous states and event indicators: there are none.
     void require_none(std::size_t count) const;
 
-    // T is the variables' type here (double, int, bool), External the one of the FMI version.
-    // All or nothing: values are set only when every one of them may be. The reference after the last scalar
-    // is the time.
+    // T is the variables' type here (double, int, bool), External the one of the FMI version; an int of 64
+    // bits is an enumeration of FMI 3. All or nothing: values are set only when every one of them may be. The
+    // reference after the last scalar is the time.
     template <class T, class External>
     void get(std::span<const unsigned> references, Reach reach, std::span<External> values);
     template <class T, class External>
@@ -174,7 +174,7 @@ template <class T, class External>
 void Instance::get(std::span<const unsigned> references, Reach reach, std::span<External> values) {
     require({Phase::initialising, Phase::stepping, Phase::event, Phase::continuous, Phase::failed,
              Phase::terminated});
-    require_values(references, reach, type_of<T>, values.size());
+    require_values(references, reach, type_of<T, External>, values.size());
     if (progress_.phase == Phase::initialising && any_of(references, Causality::output)) {
         initialise();
     }
@@ -189,7 +189,7 @@ void Instance::get(std::span<const unsigned> references, Reach reach, std::span<
 template <class T, class External>
 void Instance::set(std::span<const unsigned> references, Reach reach, std::span<const External> values) {
     require({Phase::instantiated, Phase::initialising, Phase::stepping, Phase::event});
-    require_values(references, reach, type_of<T>, values.size());
+    require_values(references, reach, type_of<T, External>, values.size());
     for (const unsigned reference : references) {
         require_settable(cells_[reference].variable);
     }

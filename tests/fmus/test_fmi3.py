@@ -14,7 +14,7 @@ import fmpy
 import pytest
 from archives import FMUS, STEP
 from calls import OK, Fmu, Number
-from calls3 import Fmu3, Ports3, scalar_names
+from calls3 import KINDS, Fmu3, Ports3, scalar_names
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from lxml import etree
@@ -197,6 +197,25 @@ def test_an_array_needs_all_its_values(fmu3: Fmu3) -> None:
     slave = fmu3.slave()
     with pytest.raises(FMICallException):
         slave.setFloat64([array.valueReference], [1.0])
+    slave.freeInstance()
+
+
+def test_each_variable_has_one_reference_and_one_type(fmu3: Fmu3) -> None:
+    """The references in between are those of elements in FMI 2, and of nothing here."""
+    kinds = {v.valueReference: KINDS[v.type] for v in fmu3.description.modelVariables}
+    sizes = {v.valueReference: len(scalar_names(v)) for v in fmu3.description.modelVariables}
+    assert len(kinds) < max(kinds) + 1, "there are arrays"
+    slave = fmu3.slave()
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    buffer = (c_double * max(sizes.values()))()
+    for reference in range(max(kinds) + 2):
+        for kind in KINDS.values():
+            status = slave.dll[f"fmi3Get{kind}"](
+                c_void_p(slave.component), byref(c_uint(reference)), c_size_t(1),
+                buffer, c_size_t(sizes.get(reference, 1)),
+            )  # fmt: skip
+            assert status == (OK if kinds.get(reference) == kind else ERROR3), (reference, kind)
     slave.freeInstance()
 
 
