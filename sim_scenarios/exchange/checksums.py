@@ -45,19 +45,33 @@ def of_folder(folder: Path) -> dict[str, str]:
 
 def differences(found: Mapping[str, str], checksums: bytes) -> list[str]:
     """How files, of which the SHA-256 are given by name, are not those of a list, a sentence each."""
-    try:
-        lines = checksums.decode("ascii").split("\n")
-    except UnicodeDecodeError:
-        return [f"{NAME} is damaged"]
-    matches = [match for line in lines[:-1] if (match := _LINE.fullmatch(line))]
-    expected = {match[2]: match[1] for match in matches}
-    if lines[-1] or len(matches) < len(lines) - 1 or [match[2] for match in matches] != sorted(expected):
+    if (expected := _expected(checksums)) is None:
         return [f"{NAME} is damaged"]
     return [
         *(f"{name} is missing" for name in expected.keys() - found.keys()),
         *(f"{name} was not exported" for name in found.keys() - expected.keys()),
         *(f"{name} has changed" for name in expected.keys() & found.keys() if expected[name] != found[name]),
     ]
+
+
+def unchanged(folder: Path) -> list[str]:
+    """Names of the files of a folder that are as the list in it says; none where there is no list."""
+    own = folder / NAME
+    expected = (_expected(own.read_bytes()) if own.is_file() else None) or {}
+    names = {path.relative_to(folder).as_posix(): path for path in _leaves(folder)} if expected else {}
+    return [name for name, path in names.items() if name in expected and _digest_of(path) == expected[name]]
+
+
+def _expected(checksums: bytes) -> dict[str, str] | None:
+    """SHA-256 of the files of a list by their names, if it is one as `listed` writes it."""
+    try:
+        lines = checksums.decode("ascii").split("\n")
+    except UnicodeDecodeError:
+        return None
+    matches = [match for line in lines[:-1] if (match := _LINE.fullmatch(line))]
+    expected = {match[2]: match[1] for match in matches}
+    whole = not lines[-1] and len(matches) == len(lines) - 1
+    return expected if whole and [match[2] for match in matches] == sorted(expected) else None
 
 
 def _leaves(folder: Path) -> Iterator[Path]:
