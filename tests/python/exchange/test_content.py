@@ -21,8 +21,14 @@ from sim_scenarios import archives
 from sim_scenarios.archives import archive_bytes, read_archive
 from sim_scenarios.cli.application import app
 from sim_scenarios.errors import InputError
-from sim_scenarios.exchange import checksums, evidence, replay
-from sim_scenarios.exchange.verification import content_of_fmu, content_of_folder, verify
+from sim_scenarios.exchange import checksums, evidence, replay, verification
+from sim_scenarios.exchange.verification import (
+    Check,
+    content_of_fmu,
+    content_of_folder,
+    fingerprint,
+    verify,
+)
 
 MEMBERS = {"modelDescription.xml": b"<fmiModelDescription/>\n", "resources/a.txt": b"seed 7\n" * 4}
 
@@ -267,3 +273,83 @@ def test_nonsense_with_a_right_list_does_not_hold(folder: Path, members: dict[st
         assert looks
         assert not any(look.holds for look in looks)
         assert all(look.findings for look in looks)
+
+
+# ------------------------------------------------------------------ whose it is
+
+
+@pytest.fixture
+def ran(folder: Path, monkeypatch: pytest.MonkeyPatch) -> list[Path]:
+    """FMUs that would have been run, of which there is one in the folder now."""
+    files = {**MEMBERS, "mine.fmu": fmu_bytes()}
+    (folder / "mine.fmu").write_bytes(files["mine.fmu"])
+    (folder / checksums.NAME).write_text(checksums.listed(files))
+    paths: list[Path] = []
+
+    def note(path: Path) -> Check:
+        paths.append(path)
+        return Check("noted", True, [])
+
+    monkeypatch.setattr(verification, "_repeated", note)
+    monkeypatch.setattr(verification, "_valid", lambda _: Check("valid", True, []))
+    return paths
+
+
+def printed(folder: Path, *options: str) -> tuple[int, str]:
+    """Exit code and page of the command."""
+    result = CliRunner().invoke(app, ["verify", str(folder), *options])
+    return result.exit_code, result.output
+
+
+def test_nobody_vouches_for_a_list_that_was_not_told(folder: Path, ran: list[Path]) -> None:
+    """Whoever changes the content can change the list with it."""
+    code, page = printed(folder)
+    assert code == 0
+    told = hashlib.sha256((folder / checksums.NAME).read_bytes()).hexdigest()
+    assert f"SHA-256 of the list: {told}" in page
+    assert "nobody vouches for its origin" in page
+    assert ran == [folder / "mine.fmu"]
+
+
+@pytest.mark.parametrize("of_the_fmu", [False, True])
+def test_nothing_is_run_whose_list_is_another_one(folder: Path, ran: list[Path], of_the_fmu: bool) -> None:
+    path = folder / "mine.fmu" if of_the_fmu else folder
+    told = fingerprint(path)
+    code, page = printed(path, "--expect", told.upper())
+    assert (code, ran) == (0, [folder / "mine.fmu"])
+    assert "holds  The list of checksums is the one that was told" in page
+    assert "nobody vouches" not in page
+    ran.clear()
+    for digit in range(64):
+        other = told[:digit] + ("0" if told[digit] != "0" else "1") + told[digit + 1 :]
+        checks = verify(path, expect=other)
+        assert [check.holds for check in checks] == [True, False, False]
+        assert checks[1].findings == [f"the SHA-256 of the list must be {other}"]
+    assert printed(path, "--expect", "0" * 64)[0] == 1
+    assert ran == []
+
+
+@pytest.mark.parametrize("told", ["", "0" * 63, "0" * 65, "g" * 64, "0" * 64 + "\n"])
+def test_what_is_no_sha_256_is_refused(folder: Path, told: str) -> None:
+    with pytest.raises(InputError, match="must have 64 hexadecimal digits"):
+        verify(folder, expect=told)
+
+
+def test_nothing_is_run_if_nothing_shall_be(folder: Path, ran: list[Path]) -> None:
+    code, page = printed(folder, "--no-run")
+    assert (code, ran) == (0, [])
+    assert "All of it holds; nothing was run" in page
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links of POSIX")
+def test_what_is_as_it_was_exported(folder: Path) -> None:
+    """No name leads out of the folder, not even one that its list has."""
+    outside = folder.parent / "outside"
+    outside.write_bytes(b"")
+    (folder / "link").symlink_to(outside)
+    files = {**MEMBERS, "../outside": b"", "link": b"", "changed": b"before", "gone": b""}
+    (folder / "changed").write_bytes(b"after")
+    (folder / checksums.NAME).write_text(checksums.listed(files))
+    assert checksums.unchanged(folder) == sorted(MEMBERS)
+    (folder / checksums.NAME).unlink()
+    assert checksums.unchanged(folder) == []
