@@ -159,7 +159,13 @@ void read_cell(const void* cell, External* values, std::size_t count) {
 
 template <class T, class External>
 void write_cell(void* cell, const External* values, std::size_t count) {
-    if constexpr (std::same_as<T, External>) {
+    if constexpr (std::same_as<External, bool>) {  // a C program may have any byte there
+        const std::span<const std::byte> from = std::as_bytes(std::span(values, count));
+        const std::span<T> to(static_cast<T*>(cell), count);
+        for (std::size_t i = 0; i < count; ++i) {
+            to[i] = from[i] != std::byte{0};
+        }
+    } else if constexpr (std::same_as<T, External>) {
         std::memcpy(cell, values, count * sizeof(T));
     } else {
         const std::span<const External> from(values, count);

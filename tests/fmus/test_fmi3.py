@@ -219,6 +219,29 @@ def test_each_variable_has_one_reference_and_one_type(fmu3: Fmu3) -> None:
     slave.freeInstance()
 
 
+def test_any_byte_but_zero_is_true(fmu3: Fmu3) -> None:
+    """A state with another byte could not be restored."""
+    settable = [
+        v for v in fmu3.description.modelVariables
+        if v.type == "Boolean" and v.causality in ("input", "parameter")
+    ]  # fmt: skip
+    slave = fmu3.slave()
+    for variable in settable:
+        size = len(scalar_names(variable))
+        bytes_ = (ctypes.c_ubyte * size)(*[2] * size)
+        arguments = (
+            c_void_p(slave.component), byref(c_uint(variable.valueReference)), c_size_t(1),
+            bytes_, c_size_t(size),
+        )  # fmt: skip
+        assert slave.dll["fmi3SetBoolean"](*arguments) == OK
+        slave.setFMUState(slave.getFMUState())
+    slave.enterInitializationMode()
+    for variable in settable:
+        size = len(scalar_names(variable))
+        assert slave.getBoolean([variable.valueReference], nValues=size) == [True] * size
+    slave.freeInstance()
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [

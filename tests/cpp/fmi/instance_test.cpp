@@ -162,6 +162,18 @@ TEST_F(AccessTest, AnEnumerationIsAnIntegerInFmi2Alone) {
               "enumeration has the type Enumeration, not Real");
 }
 
+TEST_F(AccessTest, AnyByteButZeroIsTrue) {
+    for (const unsigned char byte : {1, 2, 128, 255}) {
+        std::array<bool, 2> given{};
+        std::memset(given.data(), byte, 1);
+        instance.set<bool>(std::array{booleans}, Reach::variable, std::span<const bool>(given));
+        std::array<bool, 2> stored{};
+        instance.get<bool>(std::array{booleans}, Reach::variable, std::span<bool>(stored));
+        EXPECT_EQ(std::memcmp(stored.data(), "\1\0", 2), 0) << int{byte};
+        EXPECT_NO_THROW(instance.restore(instance.save(nullptr)));
+    }
+}
+
 TEST_F(InstanceTest, AFailedRestoreLeavesTheInstanceAsItWas) {
     start();
     set(input, 1.0);
