@@ -72,10 +72,11 @@ void require_time(const char* what, double value) {
 
 }  // namespace
 
-Instance::Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool events, StartValues start_values)
+Instance::Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool logging, StartValues start_values)
     : fmu_(fmu),
       use_(use),
-      journal_(std::move(sink), fmu.log, events),
+      journal_(std::move(sink), fmu.log, logging,
+               use.fmi_version < 3 ? Journal::Off::events : Journal::Off::all),
       start_values_(std::move(start_values)) {
     begin();
 }

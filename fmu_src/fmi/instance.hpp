@@ -54,7 +54,7 @@ class State {
 
 class Instance {
   public:
-    Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool events, StartValues start_values = {});
+    Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool logging, StartValues start_values = {});
 
     void set_up_experiment(double start_time, std::optional<double> stop_time);
     void enter_initialisation();

@@ -242,6 +242,36 @@ def test_any_byte_but_zero_is_true(fmu3: Fmu3) -> None:
     slave.freeInstance()
 
 
+LOGGER = ctypes.CFUNCTYPE(None, c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
+
+
+def test_a_log_that_is_off_tells_nothing(fmu3: Fmu3) -> None:
+    """FMI 3 asks to respect the switch for errors, too."""
+    lines: list[str] = []
+    logger = LOGGER(lambda _environment, _status, _category, text: lines.append(text.decode()))
+    slave = fmu3.slave()
+    instantiate = slave.dll["fmi3InstantiateCoSimulation"]
+    instantiate.restype = c_void_p
+    resources = f"{fmu3.folder / 'resources'}/".encode()
+    for logging in (False, True):
+        given = b"x", fmu3.description.instantiationToken.encode(), resources, False, logging
+        handle = c_void_p(instantiate(*given, False, False, None, c_size_t(0), None, logger, None))
+
+        def refused(handle: c_void_p = handle) -> int:
+            """Lines that a refused call writes."""
+            lines.clear()
+            arguments = (c_double(0.0), c_double(STEP), False, None, None, None, None)
+            assert slave.dll["fmi3DoStep"](handle, *arguments) == ERROR3
+            return len(lines)
+
+        assert refused() == logging
+        for on in (True, False):
+            assert slave.dll["fmi3SetDebugLogging"](handle, on, c_size_t(0), None) == OK
+            assert refused() == on
+        slave.dll["fmi3FreeInstance"](handle)
+    slave.freeInstance()
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
@@ -252,9 +282,7 @@ def test_any_byte_but_zero_is_true(fmu3: Fmu3) -> None:
 )
 def test_refused_instances(fmu3: Fmu3, change: dict[str, object], sentence: str) -> None:
     lines: list[str] = []
-    logger = ctypes.CFUNCTYPE(None, c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)(
-        lambda _environment, _status, _category, text: lines.append(text.decode())
-    )
+    logger = LOGGER(lambda _environment, _status, _category, text: lines.append(text.decode()))
     arguments = {
         "instanceName": b"x",
         "instantiationToken": fmu3.description.instantiationToken.encode(),

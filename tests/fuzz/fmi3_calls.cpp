@@ -85,7 +85,7 @@ class Session {
         }
         states_.fill(nullptr);
         time_ = 0.0;
-        muted_ = false;
+        muted_ = !logging;
     }
 
     template <class Body>
@@ -123,7 +123,7 @@ class Session {
     Chance chance_;
     Watch watch_;
     fmi3Instance instance_ = nullptr;
-    bool muted_ = false;  // errors may have been switched off
+    bool muted_ = false;  // errors may be switched off
     double time_ = 0.0;   // that the instance said it has reached
     std::array<fmi3FMUState, 4> states_{};
     std::vector<fmi3Byte> blob_;
