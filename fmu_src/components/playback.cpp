@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 
+#include "components/count_up.hpp"
 #include "components/parameter_rules.hpp"
 #include "components/text.hpp"
 #include "components/time_tolerance.hpp"
@@ -106,7 +107,9 @@ std::size_t Playback::sample_until(double time) {
     }
     if (state_.samples > before) {
         outputs.recording.time = imu[state_.samples - 1].time;
-        outputs.imu = {.sample = outputs.imu.sample + 1 + static_cast<int>(missed),
+        int sample = outputs.imu.sample;
+        count_up(sample, 1 + static_cast<int>(missed));
+        outputs.imu = {.sample = sample,
                        .time = simulated(outputs.recording.time),
                        .delta_angle = delta_angle,
                        .delta_velocity = delta_velocity};
@@ -126,7 +129,7 @@ void Playback::play(const std::vector<Row>& rows, std::uint64_t& come, Output& o
     for (; come < rows.size() && rows[come].shown <= static_cast<double>(state_.samples); ++come) {
         if (!withheld(rows[come])) {
             put_out(rows[come]);
-            output.sample += static_cast<int>(rows[come].count);
+            count_up(output.sample, static_cast<int>(rows[come].count));
         }
     }
 }

@@ -19,7 +19,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the file is read as it lies");
 
-constexpr const char* file_name = "recording.bin";
 constexpr std::string_view magic = "TNplay1\n";
 constexpr std::size_t word = 8;
 constexpr double most = std::numeric_limits<int>::max();  // that a count reaches
@@ -117,7 +116,7 @@ void check_shown(const char* table, const std::vector<Row>& rows, std::size_t sa
 }  // namespace
 
 RecordedSignals::RecordedSignals(const std::filesystem::path& resources) {
-    const std::filesystem::path path = resources / file_name;
+    const std::filesystem::path path = resources / recorded::file_name;
     const std::vector<std::byte> bytes = content(path);
     try {
         Reader reader(bytes);

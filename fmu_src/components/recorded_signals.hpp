@@ -24,6 +24,8 @@ namespace truenorth {
 
 namespace recorded {
 
+inline constexpr const char* file_name = "recording.bin";
+
 using Triple = std::array<double, 3>;
 
 struct ImuSample {

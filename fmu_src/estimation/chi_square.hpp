@@ -14,7 +14,7 @@ inline double chi_square_beyond(double deviate, int degrees) {
 }
 
 // The inverse: the standard normal variable that is as rare as this chi-square.
-inline double normal_deviate(double chi_square, int degrees) {
+inline double normal_deviate(double chi_square, double degrees) {
     const double v = 2.0 / (9.0 * degrees);
     return (std::cbrt(chi_square / degrees) - (1.0 - v)) / std::sqrt(v);
 }

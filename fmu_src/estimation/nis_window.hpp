@@ -56,7 +56,7 @@ class NisWindow {
     struct Part {
         std::int64_t number = 0;  // counted from time 0
         double nis = 0.0;
-        int channels = 0;
+        double channels = 0.0;  // a whole number; that of a damaged state overflows no sum
     };
 
     [[nodiscard]] std::int64_t number_of(double time) const {

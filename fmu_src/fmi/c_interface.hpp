@@ -92,7 +92,9 @@ Instance* instantiate(const Request& request, const Journal::Sink& sink, Check c
                                               start_values(request, fmu.identity.guid))
                 .release();
         } catch (const std::exception& reason) {
-            Journal(sink, fmu.log, false).error(std::string(request.function) + ": " + reason.what());
+            // FMI 3, too, wants the reason told, whatever `logging` is.
+            Journal(sink, fmu.log, false, Journal::Off::events)
+                .error(std::string(request.function) + ": " + reason.what());
         }
     } catch (...) {  // no memory, or a logger that throws
         return nullptr;

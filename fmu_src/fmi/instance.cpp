@@ -44,7 +44,9 @@ const char* name_of(Type type) {
         case Type::real:
             return "Real";
         case Type::integer:
-            return "Integer or Enumeration";
+            return "Integer";
+        case Type::enumeration:
+            return "Enumeration";
         case Type::boolean:
             return "Boolean";
     }
@@ -70,10 +72,11 @@ void require_time(const char* what, double value) {
 
 }  // namespace
 
-Instance::Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool events, StartValues start_values)
+Instance::Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool logging, StartValues start_values)
     : fmu_(fmu),
       use_(use),
-      journal_(std::move(sink), fmu.log, events),
+      journal_(std::move(sink), fmu.log, logging,
+               use.fmi_version < 3 ? Journal::Off::events : Journal::Off::all),
       start_values_(std::move(start_values)) {
     begin();
 }
@@ -258,7 +261,13 @@ void Instance::require_values(std::span<const unsigned> references, Reach reach,
             throw Refusal("there is no variable with the value reference " + std::to_string(reference));
         }
         const Cell& cell = cells_[reference];
-        if (cell.variable.type != type) {
+        if (reach == Reach::variable && cell.variable.elements == 0) {
+            throw Refusal("the value reference " + std::to_string(reference) +
+                          " is that of no variable, but of " + cell.variable.name +
+                          ", an element of an array");
+        }
+        const bool as_integer = reach == Reach::scalar && cell.variable.type == Type::enumeration;
+        if ((as_integer ? Type::integer : cell.variable.type) != type) {
             throw Refusal(std::string(cell.variable.name) + " has the type " + name_of(cell.variable.type) +
                           ", not " + name_of(type));
         }

@@ -54,7 +54,7 @@ class State {
 
 class Instance {
   public:
-    Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool events, StartValues start_values = {});
+    Instance(const Fmu& fmu, const Use& use, Journal::Sink sink, bool logging, StartValues start_values = {});
 
     void set_up_experiment(double start_time, std::optional<double> stop_time);
     void enter_initialisation();
@@ -74,9 +74,9 @@ class Instance {
     // For what concerns continuous states and event indicators: there are none.
     void require_none(std::size_t count) const;
 
-    // T is the variables' type here (double, int, bool), External the one of the FMI version.
-    // All or nothing: values are set only when every one of them may be. The reference after the last scalar
-    // is the time.
+    // T is the variables' type here (double, int, bool), External the one of the FMI version; an int of 64
+    // bits is an enumeration of FMI 3. All or nothing: values are set only when every one of them may be. The
+    // reference after the last scalar is the time.
     template <class T, class External>
     void get(std::span<const unsigned> references, Reach reach, std::span<External> values);
     template <class T, class External>
@@ -159,7 +159,13 @@ void read_cell(const void* cell, External* values, std::size_t count) {
 
 template <class T, class External>
 void write_cell(void* cell, const External* values, std::size_t count) {
-    if constexpr (std::same_as<T, External>) {
+    if constexpr (std::same_as<External, bool>) {  // a C program may have any byte there
+        const std::span<const std::byte> from = std::as_bytes(std::span(values, count));
+        const std::span<T> to(static_cast<T*>(cell), count);
+        for (std::size_t i = 0; i < count; ++i) {
+            to[i] = from[i] != std::byte{0};
+        }
+    } else if constexpr (std::same_as<T, External>) {
         std::memcpy(cell, values, count * sizeof(T));
     } else {
         const std::span<const External> from(values, count);
@@ -174,7 +180,7 @@ template <class T, class External>
 void Instance::get(std::span<const unsigned> references, Reach reach, std::span<External> values) {
     require({Phase::initialising, Phase::stepping, Phase::event, Phase::continuous, Phase::failed,
              Phase::terminated});
-    require_values(references, reach, type_of<T>, values.size());
+    require_values(references, reach, type_of<T, External>, values.size());
     if (progress_.phase == Phase::initialising && any_of(references, Causality::output)) {
         initialise();
     }
@@ -189,7 +195,7 @@ void Instance::get(std::span<const unsigned> references, Reach reach, std::span<
 template <class T, class External>
 void Instance::set(std::span<const unsigned> references, Reach reach, std::span<const External> values) {
     require({Phase::instantiated, Phase::initialising, Phase::stepping, Phase::event});
-    require_values(references, reach, type_of<T>, values.size());
+    require_values(references, reach, type_of<T, External>, values.size());
     for (const unsigned reference : references) {
         require_settable(cells_[reference].variable);
     }

@@ -23,11 +23,19 @@ class Journal final : public Log {
     enum class Severity : std::uint8_t { information, error };
     using Sink = std::function<void(Severity severity, const char* category, const char* text)>;
 
-    // Errors are always worth a line unless they are switched off by name; events are for who asks.
-    Journal(Sink sink, const LogCategories& categories, bool events)
-        : sink_(std::move(sink)), categories_(categories), events_(events) {}
+    // What a log that is switched off leaves out. In FMI 2 it is the debug log that is switched: an error is
+    // worth a line unless errors are switched off by name. FMI 3 asks to respect the switch for errors, too.
+    enum class Off : std::uint8_t { events, all };
 
-    // No category: the debug log as a whole, that is, events. Throws Refusal for an unknown category.
+    Journal(Sink sink, const LogCategories& categories, bool on, Off off)
+        : sink_(std::move(sink)),
+          categories_(categories),
+          off_(off),
+          events_(on),
+          errors_(on || off == Off::events) {}
+
+    // On, with categories: those and no others. Off, with categories: the others stay as they are. Throws
+    // Refusal for an unknown category.
     void enable(bool on, std::span<const std::string_view> categories);
 
     [[nodiscard]] bool listens() const override { return events_; }
@@ -37,8 +45,9 @@ class Journal final : public Log {
   private:
     Sink sink_;
     LogCategories categories_;
+    Off off_;
     bool events_;
-    bool errors_ = true;
+    bool errors_;
 };
 
 }  // namespace truenorth::fmi

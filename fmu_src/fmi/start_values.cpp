@@ -10,6 +10,7 @@
 #include <memory>
 #include <sstream>
 
+#include "components/recorded_signals.hpp"
 #include "fmi/checksum.hpp"
 #include "fmi/refusal.hpp"
 
@@ -19,13 +20,26 @@ namespace {
 constexpr const char* file_name = "start_values.txt";
 
 // ":" and the checksum, 16 hexadecimal digits.
-std::string mark_of(std::string_view text) {
+std::string mark_of(std::uint64_t checksum) {
     std::array<char, 16> digits{};
-    auto* const end = std::to_chars(digits.begin(), digits.end(), checksum_of(text), 16).ptr;
+    auto* const end = std::to_chars(digits.begin(), digits.end(), checksum, 16).ptr;
     std::string mark(":");
     mark.append(static_cast<std::size_t>(digits.end() - end), '0');
     mark.append(digits.begin(), end);
     return mark;
+}
+
+// Of the recording in a folder, or of nothing where there is none.
+std::uint64_t checksum_of_recording(const std::filesystem::path& resources) {
+    std::uint64_t checksum = checksum_of("");
+    std::ifstream file(resources / recorded::file_name, std::ios::binary);
+    std::string piece(1U << 16U, '\0');
+    do {
+        file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+        piece.resize(static_cast<std::size_t>(file.gcount()));
+        checksum = checksum_of(piece, checksum);
+    } while (file);
+    return checksum;
 }
 
 // The same decimal point in every environment.
@@ -60,8 +74,10 @@ StartValues StartValues::marked(std::string_view mark, const std::filesystem::pa
                       "; the tool must tell the FMU where its resources are");
     }
     const std::string text = content.str();
-    if (mark_of(text) != mark) {
-        throw Refusal(path.string() + " is corrupt, or of another export: its mark is " + mark_of(text) +
+    if (const std::string found = mark_of(checksum_of(text, checksum_of_recording(resources)));
+        found != mark) {
+        throw Refusal(path.string() +
+                      " is corrupt, or of another export, or a recording beside it is: the mark is " + found +
                       ", modelDescription.xml has " + std::string(mark));
     }
     std::istringstream stream = reader_of(text);
@@ -93,6 +109,7 @@ void StartValues::apply(std::span<const Cell> cells) const {
                 set<double>(cell, text);
                 break;
             case Type::integer:
+            case Type::enumeration:
                 set<int>(cell, text);
                 break;
             case Type::boolean:

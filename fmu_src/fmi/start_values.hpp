@@ -1,8 +1,9 @@
 // Values that an exported FMU begins with instead of those it was compiled with.
 //
 // An export writes them to start_values.txt in the FMU's resources, one line "<name> <value>" for each
-// scalar, and appends the file's checksum to the guid in modelDescription.xml: "<guid>:<16 hexadecimal
-// digits>". A tool that sets nothing then runs what was exported, and one that does not show the FMU its
+// scalar, and appends a checksum to the guid in modelDescription.xml: "<guid>:<16 hexadecimal digits>". It is
+// that of the recording beside the file (components/recorded_signals.hpp), if there is one, and then of the
+// file. A tool that sets nothing then runs what was exported, and one that does not show the FMU its
 // resources, or shows another's, is told so instead of getting other results.
 #pragma once
 
@@ -23,7 +24,7 @@ class StartValues {
     StartValues() = default;
 
     // Those of an export: `mark` is what the token has after the guid, nothing or ":" and the checksum.
-    // Throws Refusal when the folder of the resources does not have the file.
+    // Throws Refusal when the folder of the resources does not have the file, or has another recording.
     [[nodiscard]] static StartValues marked(std::string_view mark, const std::filesystem::path& resources);
 
     // Throws Refusal at the first line that is not a value of a parameter or an input.

@@ -9,22 +9,25 @@ namespace truenorth::fmi {
 
 enum class Causality : std::uint8_t { parameter, tunable, input, output };
 
-// Enumerations are accessed as integers.
-enum class Type : std::uint8_t { real, integer, boolean };
+// An enumeration is an int like an integer; FMI 2 reads and sets both with the same functions, FMI 3 does
+// not.
+enum class Type : std::uint8_t { real, integer, enumeration, boolean };
 
-template <class T>
+// What values of the type External are when they are kept as a T.
+template <class T, class External = T>
 inline constexpr Type type_of = Type::real;
-template <>
-inline constexpr Type type_of<int> = Type::integer;
-template <>
-inline constexpr Type type_of<bool> = Type::boolean;
+template <class External>
+inline constexpr Type type_of<int, External> = sizeof(External) > sizeof(int) ? Type::enumeration
+                                                                              : Type::integer;
+template <class External>
+inline constexpr Type type_of<bool, External> = Type::boolean;
 
 struct Variable {
     const char* name;
     Causality causality;
     Type type;
     // Scalars of the array that begins with this one, which follow it in the table and in memory; 1: no
-    // array, or not its first.
+    // array; 0: one of an array, but not its first.
     unsigned elements;
 };
 

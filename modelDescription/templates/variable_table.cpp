@@ -15,8 +15,9 @@ constexpr std::array<Row<C>, {{ component.scalars | length }}> table{ {
 {% for scalar in component.scalars %}
 {% set variable = scalar.variable %}
 {% set type = {'Real': 'double', 'Boolean': 'bool'}.get(variable.type, 'int') %}
+{% set kind = {'Real': 'real', 'Boolean': 'boolean', 'Integer': 'integer'}.get(variable.type, 'enumeration') %}
 {% set member = cpp.group(variable) ~ '.' ~ cpp.elements(variable)[scalar.position] %}
-    { {"{{ scalar.name }}", Causality::{{ variable.causality }}, type_of<{{ type }}>, {{ variable.indices | length if scalar.position == 0 else 1 }}},
+    { {"{{ scalar.name }}", Causality::{{ variable.causality }}, Type::{{ kind }}, {{ variable.indices | length if scalar.position == 0 else 0 }}},
      [](C& c) { return address_as<{{ type }}>(c.{{ member }}); }},
 {% endfor %}
 } };

@@ -24,6 +24,7 @@ from sim_scenarios.cli.results import Results, storing
 from sim_scenarios.cli.terminal import print_json, print_pairs, refusing_bad_input
 from sim_scenarios.errors import InputError
 from sim_scenarios.exchange import STEP, export, export_recording
+from sim_scenarios.exchange.verification import fingerprint
 from sim_scenarios.names import file_name
 from sim_scenarios.recordings.description import is_recording
 from sim_scenarios.recordings.replay import Filter
@@ -74,6 +75,8 @@ def export_system(
         truenorth export swaying_ship
         truenorth export zigzag --output partner --seed 7 --step 0.01
         truenorth export recording.toml --filter navigation --start course
+
+    At the end it prints what to tell the partner by another way than the folder goes, for `truenorth verify`.
     """
     with refusing_bad_input():
         recorded = is_recording(Path(what))
@@ -92,9 +95,11 @@ def export_system(
                 system = export_recording(what, folder, begun, filter=filter_, set=given, step=step)
             else:
                 system = export(what, folder, seed=seed, set=given, step=STEP if step is None else step)
+    told = fingerprint(folder)
     files = {"ssp": str(folder / f"{system.name}.ssp"), "readme": str(folder / "README.md")}
     kind = "recording" if recorded else "scenario"
     if as_json:
-        print_json({kind: system.name, "communication_step": system.step, **files})
+        print_json({kind: system.name, "communication_step": system.step, **files, "sha256": told})
     else:
-        print_pairs({kind.capitalize(): system.name, "System": files["ssp"], "Read first": files["readme"]})
+        read = {"System": files["ssp"], "Read first": files["readme"], "To be told": f"--expect {told}"}
+        print_pairs({kind.capitalize(): system.name, **read})

@@ -69,7 +69,7 @@ def export(
     scenario, seed, set, fmus
         As for `run`.
     folder : Path
-        Where to; files of the same names are replaced.
+        Where to; files of the same names are replaced, and those of an earlier export removed.
     step : float
         Communication step [s].
 
@@ -105,7 +105,7 @@ def export_recording(
     recording, start, filter, fmus
         As for `replay`.
     folder : Path
-        Where to; files of the same names are replaced.
+        Where to; files of the same names are replaced, and those of an earlier export removed.
     set : mapping, optional
         As for `replay`; besides, parameters of Playback.
     step : float, optional
@@ -138,12 +138,13 @@ def export_recording(
 
 
 def _write(system: System, folder: Path, settings: Mapping[str, object], page: Callable[[], bytes]) -> None:
-    """The folder of a system; `page` makes its report."""
+    """The folder of a system; `page` makes its report. What is left of an earlier export there is removed."""
     results = reference.simulate(system)
     about: dict[str, str | bytes] = {
         "provenance.json": evidence.provenance(system, settings),
         "sbom.cdx.json": evidence.bill_of_materials(system),
     }
+    before = checksums.unchanged(folder)
     with filled(folder) as draft:
         written = _Folder(draft)
         for form in FORMS:
@@ -156,6 +157,18 @@ def _write(system: System, folder: Path, settings: Mapping[str, object], page: C
         }.items():
             written.add(name, content)
         written.add(checksums.NAME, checksums.listed(written.files))
+    for name in before:
+        if name not in written.files:
+            _remove(folder, name)
+
+
+def _remove(folder: Path, name: str) -> None:
+    """Remove a file of a folder, and the folders in it that then hold nothing."""
+    path = folder / name
+    path.unlink()
+    for above in path.relative_to(folder).parents[:-1]:
+        if not any((folder / above).iterdir()):
+            (folder / above).rmdir()
 
 
 def _report(scenario: Scenario, fmus: Fmus) -> bytes:

@@ -1,7 +1,8 @@
 """Values of an export inside the FMU: a tool that sets nothing runs what was exported.
 
 The binary reads them from a file of its resources when it is instantiated, and finds by the checksum in the
-token of modelDescription.xml whether the file is the right one (`fmu_src/fmi/start_values.hpp`).
+token of modelDescription.xml whether the file, and the recording beside it, is the right one
+(`fmu_src/fmi/start_values.hpp`).
 modelDescription.xml states the same values, and the experiment, for tools that show or set what it states.
 """
 
@@ -9,7 +10,9 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
+from functools import lru_cache
 
+from sim_scenarios.exchange import signals
 from sim_scenarios.exchange.system import Component, System
 from sim_scenarios.fmus import Number, Variable
 
@@ -24,7 +27,8 @@ def members(system: System, component: Component, fmu: Mapping[str, bytes]) -> d
     given = {name: text(component.fmu.variables[name], value) for name, value in component.values.items()}
     values = {**dict(line.split(" ") for line in before.splitlines()), **given}
     file = "".join(f"{name} {value}\n" for name, value in values.items())
-    return {FILE: file, DESCRIPTION: _described(fmu[DESCRIPTION].decode(), system, component, file)}
+    mark = _checksum(file.encode(), _of_recording(fmu.get(signals.FILE, b"")))
+    return {FILE: file, DESCRIPTION: _described(fmu[DESCRIPTION].decode(), system, component, mark)}
 
 
 def text(variable: Variable, value: Number) -> str:
@@ -32,11 +36,11 @@ def text(variable: Variable, value: Number) -> str:
     return repr(float(value)) if variable.kind == "Real" else str(int(value))
 
 
-def _described(description: str, system: System, component: Component, file: str) -> str:
+def _described(description: str, system: System, component: Component, mark: int) -> str:
     """The model description with these start values, their mark in the token, and the experiment."""
     root = ET.fromstring(description, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True)))
     token = next(name for name in TOKENS if name in root.attrib)
-    root.set(token, f"{root.attrib[token].partition(':')[0]}:{_checksum(file.encode()):016x}")
+    root.set(token, f"{root.attrib[token].partition(':')[0]}:{mark:016x}")
     experiment = root.find("DefaultExperiment")
     assert experiment is not None
     experiment.attrib.update(startTime="0.0", stopTime=repr(system.stop), stepSize=repr(system.step))
@@ -67,9 +71,13 @@ def xml_text(variable: Variable, value: Number) -> str:
     return str(bool(value)).lower() if variable.kind == "Boolean" else text(variable, value)
 
 
-def _checksum(content: bytes) -> int:
-    """FNV-1a, 64 bits."""
-    checksum = 0xCBF29CE484222325
+@lru_cache(maxsize=2)  # nothing, and the recording of an export, which is the same in all versions of FMI
+def _of_recording(content: bytes) -> int:
+    return _checksum(content)
+
+
+def _checksum(content: bytes, checksum: int = 0xCBF29CE484222325) -> int:
+    """FNV-1a, 64 bits; of bytes that come after others, it goes on from their checksum."""
     for byte in content:
         checksum = (checksum ^ byte) * 0x100000001B3 % 2**64
     return checksum

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
-from collections.abc import Iterator
+import hashlib
+import re
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,9 +17,16 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.exchange import checksums, replay
 from sim_scenarios.exchange.evidence import FOLDER
 
+LIST = f"{FOLDER}/{checksums.NAME}"
+"""The list of checksums in an FMU."""
+TOLD = "The list of checksums is the one that was told"
+NOT_RUN = "The FMUs were not run"
 SCHEMAS = Path(fmpy.__file__).parent / "ssp" / "schema"
+KINDS = {".ssd": "Description", ".ssv": "ParameterValues"}
+"""Documents of a system that have a schema, by the ends of their names."""
 TOLERANCE = {True: 1e-6, False: 1e-9}
 """Largest difference from the reference of an FMU with inputs, and of one without."""
+_SHA256 = re.compile(r"[0-9a-fA-F]{64}")
 
 
 @dataclass(frozen=True)
@@ -40,11 +47,31 @@ class Check:
     findings: list[str]
 
 
-def verify(path: Path) -> list[Check]:
+def verify(path: Path, *, expect: str | None = None, run: bool = True) -> list[Check]:
     """Look at a folder that `truenorth export` wrote, or at one FMU of it.
 
-    Nothing of it is run unless it has not changed.
+    Parameters
+    ----------
+    path : Path
+        Folder or FMU.
+    expect : str, optional
+        SHA-256 of the list of checksums, as it was told by another way than the export came. Whoever can
+        change the export can change the list in it as well.
+    run : bool
+        Whether the reference results are repeated. It runs what is in the FMUs, with the rights of the user.
+
+    Returns
+    -------
+    list of Check
+        Nothing is run whose content does not fit its list, or whose list is not the expected one.
+
+    Raises
+    ------
+    InputError
+        The path, or what is expected, is not what it should be.
     """
+    if expect is not None and not _SHA256.fullmatch(expect):
+        raise InputError(f"{expect!a} is no SHA-256: must have 64 hexadecimal digits")
     if path.is_dir():
         contents = content_of_folder(path)
         archives = sorted(path.rglob("*.fmu"))
@@ -53,10 +80,26 @@ def verify(path: Path) -> list[Check]:
         contents, archives, systems = content_of_fmu(path), [path], []
     else:
         raise InputError(f"{path} is neither a folder nor a file")
-    checks = [Check("The content is what was exported", not contents, contents)]
+    fits = "The content fits its own list of checksums"
     if contents:
-        return [*checks, Check("The FMUs were not run", False, ["the content has changed"])]
-    return [*checks, *map(_valid, archives), *map(_described, systems), *map(_repeated, archives)]
+        return [Check(fits, False, contents), Check(NOT_RUN, False, ["the content has changed"])]
+    found = fingerprint(path)
+    checks = [Check(fits, True, [f"SHA-256 of the list: {found}"])]
+    if expect is None:
+        checks[0].findings.append("nobody vouches for its origin: no SHA-256 was given to be expected")
+    elif found != expect.lower():
+        other = Check(TOLD, False, [f"the SHA-256 of the list must be {expect.lower()}"])
+        return [*checks, other, Check(NOT_RUN, False, ["the list is another one"])]
+    else:
+        checks.append(Check(TOLD, True, []))
+    looks = [(_valid, archives), (_described, systems), (_repeated, archives if run else [])]
+    return [*checks, *(_looked_at(look, part) for look, parts in looks for part in parts)]
+
+
+def fingerprint(path: Path) -> str:
+    """SHA-256 of the list of checksums in a folder or an FMU: to be told by another way than these come."""
+    listed = (path / checksums.NAME).read_bytes() if path.is_dir() else _list_in(path)[LIST]
+    return hashlib.sha256(listed).hexdigest()
 
 
 def content_of_folder(folder: Path) -> list[str]:
@@ -70,24 +113,27 @@ def content_of_folder(folder: Path) -> list[str]:
 def content_of_fmu(archive: Path) -> list[str]:
     """Differences from the list of checksums in an FMU."""
     try:
-        members = read_archive(archive)
+        found, listed = checksums.of_archive(archive), _list_in(archive)
         as_written = is_as_written(archive)
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        ValueError,
-        NotImplementedError,
-        EOFError,
-        OSError,
-    ) as error:
-        return [f"{archive.name} is damaged: {error}"]
-    listed = members.pop(f"{FOLDER}/{checksums.NAME}", None)
-    if listed is None:
-        return [
-            f"{archive.name} has no {FOLDER}/{checksums.NAME}; it is damaged, or not from `truenorth export`"
-        ]
-    found = checksums.differences(members, listed)
-    return found if as_written else [*found, f"{archive.name}: the zip archive has changed"]
+    except InputError as error:
+        return [str(error)]
+    if found.pop(LIST, None) is None:
+        return [f"{archive.name} has no {LIST}; it is damaged, or not from `truenorth export`"]
+    different = checksums.differences(found, listed[LIST])
+    return different if as_written else [*different, f"{archive.name}: the zip archive has changed"]
+
+
+def _list_in(archive: Path) -> dict[str, bytes]:
+    """The list of an FMU by its name, if there is one."""
+    return read_archive(archive, lambda name: name == LIST)
+
+
+def _looked_at(look: Callable[[Path], Check], part: Path) -> Check:
+    """A look at an FMU or a system; what is listed may be nonsense all the same."""
+    try:
+        return look(part)
+    except Exception as error:  # whatever zip, XML, CSV, FMPy and the FMU raise
+        return Check(f"{_named(part)} can be read and run", False, [f"{type(error).__name__}: {error}"])
 
 
 def _valid(archive: Path) -> Check:
@@ -111,15 +157,14 @@ def _described(archive: Path) -> Check:
 
 
 def _documents(archive: Path) -> Iterator[tuple[str, str, etree._Element]]:
-    for name, content in read_archive(archive).items():
-        kind = {".ssd": "Description", ".ssv": "ParameterValues"}.get(Path(name).suffix)
-        if kind:
-            yield name, kind, etree.fromstring(content)
+    for name, content in read_archive(archive, lambda name: Path(name).suffix in KINDS).items():
+        yield name, KINDS[Path(name).suffix], etree.fromstring(content)
 
 
 def _repeated(archive: Path) -> Check:
     """The reference experiment of an FMU, run here."""
-    experiment = replay.experiment(read_archive(archive))
+    members = read_archive(archive, lambda name: name.startswith(f"{replay.FOLDER}/"))
+    experiment = replay.experiment(members)
     limit = TOLERANCE[bool(experiment.inputs)]
     found = replay.difference(archive, experiment)
     outcome = "equal" if found == 0 else f"largest difference {found:.1e}, limit {limit:g}"

@@ -14,7 +14,7 @@ import fmpy
 import pytest
 from archives import FMUS, STEP
 from calls import OK, Fmu, Number
-from calls3 import Fmu3, Ports3, scalar_names
+from calls3 import KINDS, Fmu3, Ports3, scalar_names
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from lxml import etree
@@ -200,6 +200,78 @@ def test_an_array_needs_all_its_values(fmu3: Fmu3) -> None:
     slave.freeInstance()
 
 
+def test_each_variable_has_one_reference_and_one_type(fmu3: Fmu3) -> None:
+    """The references in between are those of elements in FMI 2, and of nothing here."""
+    kinds = {v.valueReference: KINDS[v.type] for v in fmu3.description.modelVariables}
+    sizes = {v.valueReference: len(scalar_names(v)) for v in fmu3.description.modelVariables}
+    assert len(kinds) < max(kinds) + 1, "there are arrays"
+    slave = fmu3.slave()
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    buffer = (c_double * max(sizes.values()))()
+    for reference in range(max(kinds) + 2):
+        for kind in KINDS.values():
+            status = slave.dll[f"fmi3Get{kind}"](
+                c_void_p(slave.component), byref(c_uint(reference)), c_size_t(1),
+                buffer, c_size_t(sizes.get(reference, 1)),
+            )  # fmt: skip
+            assert status == (OK if kinds.get(reference) == kind else ERROR3), (reference, kind)
+    slave.freeInstance()
+
+
+def test_any_byte_but_zero_is_true(fmu3: Fmu3) -> None:
+    """A state with another byte could not be restored."""
+    settable = [
+        v for v in fmu3.description.modelVariables
+        if v.type == "Boolean" and v.causality in ("input", "parameter")
+    ]  # fmt: skip
+    slave = fmu3.slave()
+    for variable in settable:
+        size = len(scalar_names(variable))
+        bytes_ = (ctypes.c_ubyte * size)(*[2] * size)
+        arguments = (
+            c_void_p(slave.component), byref(c_uint(variable.valueReference)), c_size_t(1),
+            bytes_, c_size_t(size),
+        )  # fmt: skip
+        assert slave.dll["fmi3SetBoolean"](*arguments) == OK
+        slave.setFMUState(slave.getFMUState())
+    slave.enterInitializationMode()
+    for variable in settable:
+        size = len(scalar_names(variable))
+        assert slave.getBoolean([variable.valueReference], nValues=size) == [True] * size
+    slave.freeInstance()
+
+
+LOGGER = ctypes.CFUNCTYPE(None, c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
+
+
+def test_a_log_that_is_off_tells_nothing(fmu3: Fmu3) -> None:
+    """FMI 3 asks to respect the switch for errors, too."""
+    lines: list[str] = []
+    logger = LOGGER(lambda _environment, _status, _category, text: lines.append(text.decode()))
+    slave = fmu3.slave()
+    instantiate = slave.dll["fmi3InstantiateCoSimulation"]
+    instantiate.restype = c_void_p
+    resources = f"{fmu3.folder / 'resources'}/".encode()
+    for logging in (False, True):
+        given = b"x", fmu3.description.instantiationToken.encode(), resources, False, logging
+        handle = c_void_p(instantiate(*given, False, False, None, c_size_t(0), None, logger, None))
+
+        def refused(handle: c_void_p = handle) -> int:
+            """Lines that a refused call writes."""
+            lines.clear()
+            arguments = (c_double(0.0), c_double(STEP), False, None, None, None, None)
+            assert slave.dll["fmi3DoStep"](handle, *arguments) == ERROR3
+            return len(lines)
+
+        assert refused() == logging
+        for on in (True, False):
+            assert slave.dll["fmi3SetDebugLogging"](handle, on, c_size_t(0), None) == OK
+            assert refused() == on
+        slave.dll["fmi3FreeInstance"](handle)
+    slave.freeInstance()
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
@@ -210,9 +282,7 @@ def test_an_array_needs_all_its_values(fmu3: Fmu3) -> None:
 )
 def test_refused_instances(fmu3: Fmu3, change: dict[str, object], sentence: str) -> None:
     lines: list[str] = []
-    logger = ctypes.CFUNCTYPE(None, c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)(
-        lambda _environment, _status, _category, text: lines.append(text.decode())
-    )
+    logger = LOGGER(lambda _environment, _status, _category, text: lines.append(text.decode()))
     arguments = {
         "instanceName": b"x",
         "instantiationToken": fmu3.description.instantiationToken.encode(),

@@ -55,6 +55,14 @@ def test_refusals_are_logged_unless_switched_off(instance: Instance) -> None:
     assert refused(instance) == 1
 
 
+def test_what_is_switched_on_by_name_is_told_alone(instance: Instance) -> None:
+    instance.start()
+    assert switch(instance, True, "logEvents") == OK
+    assert refused(instance) == 0
+    assert switch(instance, True, "logStatusError") == OK
+    assert refused(instance) == 1
+
+
 @pytest.mark.parametrize("name", FILTERS)
 def test_events_can_be_switched(fmus: dict[str, Fmu], signals: list[dict[str, Number]], name: str) -> None:
     with fmus[name].instance() as instance:
@@ -76,7 +84,7 @@ def test_events_can_be_switched(fmus: dict[str, Fmu], signals: list[dict[str, Nu
         spoilt: list[dict[str, Number]] = [not_finite, impossible, impossible, not_finite]
         for on, categories, lines in [
             (True, ("logEvents",), 1),
-            (False, ("logEvents",), 0),
+            (True, ("logStatusError",), 0),
             (True, ("logAll",), 1),
             (False, (), 0),
         ]:

@@ -115,6 +115,29 @@ def test_what_is_no_export_is_bad_input(tmp_path: Path, what: str) -> None:
     assert CliRunner().invoke(app, ["verify", str(tmp_path / what)]).exit_code == 2
 
 
+def test_an_export_takes_the_place_of_an_earlier_one(folder: Path, tmp_path: Path) -> None:
+    """What is there besides, or was changed, is somebody's: it stays, and is found."""
+    copy = shutil.copytree(folder, tmp_path / "copy")
+    for name in ("fmi2/OldFilter.fmu", "parameters/of/old.ssv", "changed.txt"):
+        (copy / name).parent.mkdir(exist_ok=True)
+        (copy / name).write_text("old")
+    files = {path.relative_to(copy).as_posix(): path for path in copy.rglob("*") if path.is_file()}
+    del files[checksums.NAME]
+    listed = checksums.listed({name: path.read_bytes() for name, path in files.items()})
+    (copy / checksums.NAME).write_text(listed)
+    (copy / "changed.txt").write_text("mine")
+    (copy / "notes.txt").write_text("mine")
+    fmus = Fmus({path.stem: Fmu(path) for path in FMUS.glob("*.fmu")})
+    export("swaying_ship", copy, set=SHORT, fmus=fmus)
+    assert sorted(verify(copy, run=False)[0].findings) == [
+        "changed.txt was not exported",
+        "notes.txt was not exported",
+    ]
+    (copy / "changed.txt").unlink()
+    (copy / "notes.txt").unlink()
+    assert verify(copy, run=False)[0].holds
+
+
 def test_a_file_more_or_less_is_found(folder: Path, tmp_path: Path) -> None:
     copy = shutil.copytree(folder, tmp_path / "copy")
     (copy / "notes.txt").write_text("mine")

@@ -1,4 +1,4 @@
-// Every function of FMI 2 in any order, with any arguments, on one FMU:
+// Every function of FMI 2 in any order, with any arguments, on one FMU, whose resources have a recording:
 //
 //     fuzz_fmi2 BINARY MODEL_DESCRIPTION SEED CALLS
 //
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "chance.hpp"
+#include "components/recording_file.hpp"
 #include "fmi/binary.hpp"
 #include "fmi2FunctionTypes.h"
 #include "watch.hpp"
@@ -34,7 +35,8 @@ void log(fmi2ComponentEnvironment /*environment*/, fmi2String name, fmi2Status s
 
 class Session {
   public:
-    Session(const Binary& binary, std::uint64_t seed) : binary_(binary), chance_(seed) {
+    Session(const Binary& binary, std::string resources, std::uint64_t seed)
+        : binary_(binary), resources_(std::move(resources)), chance_(seed) {
         callbacks_.logger = log;
         add_functions();
         begin();
@@ -73,7 +75,8 @@ class Session {
         binary_.function<fmi2FreeInstanceTYPE>("fmi2FreeInstance")(component_);
         const auto type = chance_.one_in(3) ? fmi2ModelExchange : fmi2CoSimulation;
         component_ = binary_.function<fmi2InstantiateTYPE>("fmi2Instantiate")(
-            "fuzzed", type, binary_.token().c_str(), nullptr, &callbacks_, fmi2False, chance_.one_in(2));
+            "fuzzed", type, binary_.token().c_str(), resources_.c_str(), &callbacks_, fmi2False,
+            chance_.one_in(2));
         if (component_ == nullptr) {
             watch_.fail("fmi2Instantiate was refused");
         }
@@ -105,6 +108,7 @@ class Session {
     void add_functions();
 
     const Binary& binary_;
+    std::string resources_;
     Chance chance_;
     Watch watch_;
     fmi2CallbackFunctions callbacks_{};
@@ -257,7 +261,9 @@ int main(int argc, char** argv) {
     }
     const Binary binary(argv[1], argv[2]);
     const long calls = std::stol(argv[4]);
-    Session session(binary, std::stoull(argv[3]));
+    const truenorth::ResourceFolder resources;
+    resources.put(truenorth::RecordingFile{}.bytes());
+    Session session(binary, resources.path().string(), std::stoull(argv[3]));
     while (session.watch().calls() < calls) {
         session.call_any();
     }

@@ -1,4 +1,4 @@
-// Every function of FMI 3 in any order, with any arguments, on one FMU:
+// Every function of FMI 3 in any order, with any arguments, on one FMU, whose resources have a recording:
 //
 //     fuzz_fmi3 BINARY MODEL_DESCRIPTION SEED CALLS
 //
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "chance.hpp"
+#include "components/recording_file.hpp"
 #include "fmi/binary.hpp"
 #include "fmi3FunctionTypes.h"
 #include "watch.hpp"
@@ -31,7 +32,8 @@ void log(fmi3InstanceEnvironment /*environment*/, fmi3Status status, fmi3String 
 
 class Session {
   public:
-    Session(const Binary& binary, std::uint64_t seed) : binary_(binary), chance_(seed) {
+    Session(const Binary& binary, std::string resources, std::uint64_t seed)
+        : binary_(binary), resources_(std::move(resources)), chance_(seed) {
         add_variables();
         add_life();
         add_states();
@@ -75,17 +77,18 @@ class Session {
         const bool logging = chance_.one_in(2);
         if (chance_.one_in(3)) {
             instance_ = binary_.function<fmi3InstantiateModelExchangeTYPE>("fmi3InstantiateModelExchange")(
-                "fuzzed", token, nullptr, false, logging, nullptr, log);
+                "fuzzed", token, resources_.c_str(), false, logging, nullptr, log);
         } else {
             instance_ = binary_.function<fmi3InstantiateCoSimulationTYPE>("fmi3InstantiateCoSimulation")(
-                "fuzzed", token, nullptr, false, logging, false, false, nullptr, 0, nullptr, log, nullptr);
+                "fuzzed", token, resources_.c_str(), false, logging, false, false, nullptr, 0, nullptr, log,
+                nullptr);
         }
         if (instance_ == nullptr) {
             watch_.fail("the instance was refused");
         }
         states_.fill(nullptr);
         time_ = 0.0;
-        muted_ = false;
+        muted_ = !logging;
     }
 
     template <class Body>
@@ -120,10 +123,11 @@ class Session {
     static constexpr std::size_t values_ = 256;  // more than any array has elements
 
     const Binary& binary_;
+    std::string resources_;
     Chance chance_;
     Watch watch_;
     fmi3Instance instance_ = nullptr;
-    bool muted_ = false;  // errors may have been switched off
+    bool muted_ = false;  // errors may be switched off
     double time_ = 0.0;   // that the instance said it has reached
     std::array<fmi3FMUState, 4> states_{};
     std::vector<fmi3Byte> blob_;
@@ -296,7 +300,9 @@ int main(int argc, char** argv) {
     }
     const Binary binary(argv[1], argv[2]);
     const long calls = std::stol(argv[4]);
-    Session session(binary, std::stoull(argv[3]));
+    const truenorth::ResourceFolder resources;
+    resources.put(truenorth::RecordingFile{}.bytes());
+    Session session(binary, resources.path().string(), std::stoull(argv[3]));
     while (session.watch().calls() < calls) {
         session.call_any();
     }

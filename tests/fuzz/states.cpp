@@ -1,4 +1,4 @@
-// Damaged states with right checksums, handed to one FMU (FMI 2):
+// Damaged states with right checksums, handed to one FMU (FMI 2), whose resources have a recording:
 //
 //     fuzz_states BINARY MODEL_DESCRIPTION SEED STATES
 //
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "chance.hpp"
+#include "components/recording_file.hpp"
 #include "fmi/binary.hpp"
 #include "fmi2FunctionTypes.h"
 #include "watch.hpp"
@@ -40,10 +41,11 @@ void seal(Blob& blob) {
 
 class Subject {
   public:
-    explicit Subject(const Binary& binary) : binary_(binary) {
+    Subject(const Binary& binary, const std::string& resources) : binary_(binary) {
         callbacks_.logger = log;
         component_ = binary_.function<fmi2InstantiateTYPE>("fmi2Instantiate")(
-            "fuzzed", fmi2CoSimulation, binary_.token().c_str(), nullptr, &callbacks_, fmi2False, fmi2False);
+            "fuzzed", fmi2CoSimulation, binary_.token().c_str(), resources.c_str(), &callbacks_, fmi2False,
+            fmi2False);
     }
     Subject(const Subject&) = delete;
     Subject(Subject&&) = delete;
@@ -171,8 +173,10 @@ int main(int argc, char** argv) {
     const long states = std::stol(argv[4]);
     Chance chance(std::stoull(argv[3]));
     Watch watch;
+    const truenorth::ResourceFolder resources;
+    resources.put(truenorth::RecordingFile{}.bytes());
     while (watch.calls() < states) {
-        Subject subject(binary);
+        Subject subject(binary, resources.path().string());
         subject.start(chance);
         const Blob whole = subject.blob();
         const auto owner_ends =

@@ -4,6 +4,7 @@
 
 #include <cereal/archives/binary.hpp>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
@@ -45,6 +46,31 @@ class PlaybackTest : public testing::Test {
     Lines log_;
     RecordingFile file_;
 };
+
+// As a stored state may have it, which comes from outside.
+TEST_F(PlaybackTest, ACountStaysWhereItCannotGoOn) {
+    constexpr int most = std::numeric_limits<int>::max();
+    constexpr int least = std::numeric_limits<int>::min();
+    file_.body_velocity.push_back({3.0, 2.0, file_.time(3), 1, 2, 3, 4, 5, 6});
+    file_.height_aid.push_back({3.0, 2.0, file_.time(3), 1, 2});
+    Playback playback = of(file_);
+    for (const int count : {most, most - 1, least}) {
+        playback.initialise(0.0);
+        auto& outputs = playback.outputs;
+        for (int* const sample : {&outputs.imu.sample, &outputs.gnss.sample, &outputs.body_velocity.sample,
+                                  &outputs.heading_aid.sample, &outputs.height_aid.sample}) {
+            *sample = count;
+        }
+        restore(playback, stored(playback));
+        run(playback, 0, 20);
+        const bool far = count == least;
+        EXPECT_EQ(outputs.imu.sample, far ? least + 20 : most);
+        EXPECT_EQ(outputs.gnss.sample, far ? least + 1 : most);
+        EXPECT_EQ(outputs.body_velocity.sample, far ? least + 2 : most);
+        EXPECT_EQ(outputs.heading_aid.sample, far ? least + 4 : most);
+        EXPECT_EQ(outputs.height_aid.sample, far ? least + 2 : most);
+    }
+}
 
 TEST_F(PlaybackTest, BeginsBeforeItsFirstSample) {
     Playback playback = of(file_);

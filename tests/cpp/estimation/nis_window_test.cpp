@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -74,6 +75,14 @@ TEST(NisWindow, ComesBackFromASavedState) {
     feed(window, 48, 90, 1.5, 2);
     feed(other, 48, 90, 1.5, 2);
     EXPECT_EQ(other.mean(90.0), window.mean(90.0));
+}
+
+// A damaged state may say so; a sum of integers would overflow.
+TEST(NisWindow, CountsOnFromTheLargestNumber) {
+    NisWindow window;
+    feed(window, 0, 59, 1.0, std::numeric_limits<int>::max());
+    EXPECT_NEAR(window.mean(59.0), 1.0 / std::numeric_limits<int>::max(), 1e-20);
+    EXPECT_TRUE(std::isfinite(window.deviate(59.0)));
 }
 
 TEST(NisWindow, StartsAnew) {

@@ -119,6 +119,61 @@ TEST_F(InstanceTest, InitialisesAgainWhenAParameterChangesInInitialisationMode) 
     EXPECT_NO_THROW(instance.exit_initialisation());
 }
 
+// What a variable is, by the functions of FMI 2 and of FMI 3.
+class AccessTest : public InstanceTest {
+  protected:
+    AccessTest() { start(); }
+
+    template <class T, class External, std::size_t N = 1>
+    std::string refusal(unsigned reference, Reach reach) {
+        std::array<External, N> values{};
+        try {
+            instance.get<T>(std::array{reference}, reach, std::span<External>(values));
+            instance.set<T>(std::array{reference}, reach, std::span<const External>(values));
+        } catch (const Refusal& reason) {
+            return reason.what();
+        }
+        return "nothing";
+    }
+};
+
+TEST_F(AccessTest, AnArrayHasOneReferenceInFmi3AndEachElementOneInFmi2) {
+    EXPECT_EQ((refusal<double, double, 2>(array, Reach::variable)), "nothing");
+    EXPECT_EQ((refusal<double, double>(array, Reach::scalar)), "nothing");
+    EXPECT_EQ((refusal<double, double>(array + 1, Reach::scalar)), "nothing");
+    const std::string none =
+        "the value reference 5 is that of no variable, but of array[2], an element of an array";
+    EXPECT_EQ((refusal<double, double>(array + 1, Reach::variable)), none);
+    EXPECT_EQ((refusal<double, double, 0>(array + 1, Reach::variable)), none);
+    EXPECT_NE((refusal<bool, bool>(booleans + 1, Reach::variable)).find("is that of no variable"),
+              std::string::npos);
+}
+
+TEST_F(AccessTest, AnEnumerationIsAnIntegerInFmi2Alone) {
+    EXPECT_EQ((refusal<int, int>(integer, Reach::scalar)), "nothing");
+    EXPECT_EQ((refusal<int, int>(enumeration, Reach::scalar)), "nothing");
+    EXPECT_EQ((refusal<int, int>(integer, Reach::variable)), "nothing");
+    EXPECT_EQ((refusal<int, std::int64_t>(enumeration, Reach::variable)), "nothing");
+    EXPECT_EQ((refusal<int, std::int64_t>(integer, Reach::variable)),
+              "integer has the type Integer, not Enumeration");
+    EXPECT_EQ((refusal<int, int>(enumeration, Reach::variable)),
+              "enumeration has the type Enumeration, not Integer");
+    EXPECT_EQ((refusal<double, double>(enumeration, Reach::scalar)),
+              "enumeration has the type Enumeration, not Real");
+}
+
+TEST_F(AccessTest, AnyByteButZeroIsTrue) {
+    for (const unsigned char byte : {1, 2, 128, 255}) {
+        std::array<bool, 2> given{};
+        std::memset(given.data(), byte, 1);
+        instance.set<bool>(std::array{booleans}, Reach::variable, std::span<const bool>(given));
+        std::array<bool, 2> stored{};
+        instance.get<bool>(std::array{booleans}, Reach::variable, std::span<bool>(stored));
+        EXPECT_EQ(std::memcmp(stored.data(), "\1\0", 2), 0) << int{byte};
+        EXPECT_NO_THROW(instance.restore(instance.save(nullptr)));
+    }
+}
+
 TEST_F(InstanceTest, AFailedRestoreLeavesTheInstanceAsItWas) {
     start();
     set(input, 1.0);

@@ -1,7 +1,8 @@
-// A component of four variables that does what a test tells it to do.
+// A component of a few variables that does what a test tells it to do.
 #pragma once
 
 #include <array>
+#include <cereal/types/array.hpp>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -28,6 +29,11 @@ class StandIn {
     Parameters parameters;
     double input = 0.0;
     double output = 0.0;  // sum of tunable * input over the steps
+    // Inputs of all types, of which it makes nothing.
+    std::array<double, 2> array{};
+    int integer = 0;
+    int enumeration = 1;
+    std::array<bool, 2> booleans{};
 
     explicit StandIn(Log& log) : log_(&log) {}
 
@@ -55,7 +61,7 @@ class StandIn {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(parameters, input, output);
+        archive(array, integer, enumeration, booleans, parameters, input, output);
     }
 
   private:
@@ -66,11 +72,15 @@ inline constexpr unsigned fixed = 0;
 inline constexpr unsigned tunable = 1;
 inline constexpr unsigned input = 2;
 inline constexpr unsigned output = 3;
+inline constexpr unsigned array = 4;  // and 5
+inline constexpr unsigned integer = 6;
+inline constexpr unsigned enumeration = 7;
+inline constexpr unsigned booleans = 8;  // and 9
 
 inline fmi::Fmu stand_in() {
     using fmi::Causality;
     using fmi::Type;
-    static constexpr std::array<fmi::Row<StandIn>, 4> table{{
+    static constexpr std::array<fmi::Row<StandIn>, 10> table{{
         {{"fixed", Causality::parameter, Type::real, 1},
          [](StandIn& c) { return fmi::address_as<double>(c.parameters.fixed); }},
         {{"tunable", Causality::tunable, Type::real, 1},
@@ -79,6 +89,18 @@ inline fmi::Fmu stand_in() {
          [](StandIn& c) { return fmi::address_as<double>(c.input); }},
         {{"output", Causality::output, Type::real, 1},
          [](StandIn& c) { return fmi::address_as<double>(c.output); }},
+        {{"array[1]", Causality::input, Type::real, 2},
+         [](StandIn& c) { return fmi::address_as<double>(c.array[0]); }},
+        {{"array[2]", Causality::input, Type::real, 0},
+         [](StandIn& c) { return fmi::address_as<double>(c.array[1]); }},
+        {{"integer", Causality::input, Type::integer, 1},
+         [](StandIn& c) { return fmi::address_as<int>(c.integer); }},
+        {{"enumeration", Causality::input, Type::enumeration, 1},
+         [](StandIn& c) { return fmi::address_as<int>(c.enumeration); }},
+        {{"booleans[1]", Causality::input, Type::boolean, 2},
+         [](StandIn& c) { return fmi::address_as<bool>(c.booleans[0]); }},
+        {{"booleans[2]", Causality::input, Type::boolean, 0},
+         [](StandIn& c) { return fmi::address_as<bool>(c.booleans[1]); }},
     }};
     return {
         .identity = {.name = "StandIn", .guid = "{stand-in}"},

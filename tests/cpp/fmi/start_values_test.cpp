@@ -32,6 +32,10 @@ class StartValuesTest : public testing::Test {
         std::ofstream(folder / "start_values.txt", std::ios::binary) << text;
     }
 
+    void write_recording(const std::string& bytes) const {
+        std::ofstream(folder / "recording.bin", std::ios::binary) << bytes;
+    }
+
     // What is said of the file.
     [[nodiscard]] std::string refusal(const std::string& given) const {
         try {
@@ -74,6 +78,32 @@ TEST_F(StartValuesTest, AnyChangedByteIsFound) {
         write(changed);
         EXPECT_NE(refusal(mark).find("is corrupt, or of another export"), std::string::npos) << changed;
     }
+}
+
+TEST_F(StartValuesTest, AnotherRecordingIsFound) {
+    constexpr const char* of_both = ":50e1f2551e5b0354";
+    std::string recording;
+    for (int i = 0; i < 25000; ++i) {
+        recording += "recorded";
+    }
+    write(whole);
+    EXPECT_NE(refusal(of_both).find("is corrupt, or of another export"), std::string::npos);
+    write_recording(recording);
+    EXPECT_EQ(refusal(of_both), "nothing");
+    EXPECT_NE(refusal(mark).find("is corrupt, or of another export"), std::string::npos);
+    for (std::size_t i = 0; i < recording.size(); i += 9999) {
+        std::string changed = recording;
+        changed[i] = static_cast<char>(changed[i] ^ 1);
+        write_recording(changed);
+        EXPECT_NE(refusal(of_both).find("or a recording beside it is"), std::string::npos) << i;
+        write_recording(recording.substr(0, i));
+        EXPECT_NE(refusal(of_both).find("or a recording beside it is"), std::string::npos) << i;
+    }
+    // Whatever their sums make of it: signs of two numbers.
+    recording[7] = static_cast<char>(recording[7] ^ 0x80);
+    recording[23] = static_cast<char>(recording[23] ^ 0x80);
+    write_recording(recording);
+    EXPECT_NE(refusal(of_both).find("or a recording beside it is"), std::string::npos);
 }
 
 TEST_F(StartValuesTest, AFileThatIsNotThereIsMissed) {

@@ -15,9 +15,12 @@ from played import difference_from_replay, put_out, until
 from typer.testing import CliRunner
 
 from sim_scenarios import Start
+from sim_scenarios.archives import read_archive, write_archive
 from sim_scenarios.cli.application import app
 from sim_scenarios.errors import InputError
 from sim_scenarios.exchange import export_recording, signals
+from sim_scenarios.exchange.forms import FORMS
+from sim_scenarios.exchange.replay import difference, experiment
 from sim_scenarios.exchange.verification import verify
 from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, PLANT, PLAYBACK, Fmus, load
 from sim_scenarios.recordings import load as load_recording
@@ -190,6 +193,22 @@ def test_exporting_again_gives_the_same_bytes(ship: Recording, all_fmus: Fmus, t
     )
     assert len(one) > 20
     assert one == two
+
+
+def test_another_recording_makes_another_fmu(ship: Recording, all_fmus: Fmus, tmp_path: Path) -> None:
+    """Importers know an FMU by its token; one that is shown another recording is not instantiated."""
+    recording = until(ship, 5.0)
+    turned = replace(recording, imu=replace(recording.imu, delta_angle=-recording.imu.delta_angle))
+    for folder, given in {"one": recording, "two": turned}.items():
+        export_recording(given, tmp_path / folder, fmus=all_fmus)
+    for form in FORMS:
+        one, two = (read_archive(tmp_path / folder / form.name / "Playback.fmu") for folder in ("one", "two"))
+        assert one["resources/start_values.txt"] == two["resources/start_values.txt"]
+        assert one["modelDescription.xml"] != two["modelDescription.xml"]
+        swapped = tmp_path / "Playback.fmu"
+        write_archive(swapped, {**one, signals.FILE: two[signals.FILE]})
+        with pytest.raises(Exception, match="nstantiat"):
+            difference(swapped, experiment(one))
 
 
 def test_a_parameter_of_playback_can_be_set(ship: Recording, all_fmus: Fmus, tmp_path: Path) -> None:
