@@ -7,7 +7,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 from rich.console import Console
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 MOST_FAILURES: Final = 5
 """Reasons of failed runs that are told."""
+
+OVERWRITE: Final = "--overwrite"
 
 Name = Annotated[
     str,
@@ -80,7 +82,7 @@ Stepping = Annotated[
     Master, typer.Option(help="Who steps plant and filters: a container FMU, or Python. Same results.")
 ]
 Overwrite = Annotated[
-    bool, typer.Option("--overwrite", help="Discard the results of another campaign in the folder.")
+    bool, typer.Option(OVERWRITE, help="Discard the results of another campaign in the folder.")
 ]
 
 
@@ -134,9 +136,9 @@ def run_campaign(
         assert folder is not None
         campaign = Campaign.of(plan, folder, master)
         with storing(folder, "; what is done is kept, and the same command resumes"):
-            if overwrite:
-                store.clear(folder)
-            effort = _run(campaign, workers, scheduler, insecure)
+            effort = _run(
+                campaign, workers=workers, scheduler=scheduler, insecure=insecure, overwrite=overwrite
+            )
             data = store.open_results(folder)
             cases = list(summarise(data))
             files = page.write(data, cases, folder)
@@ -148,7 +150,7 @@ def run_campaign(
     raise typer.Exit(int(any(one.stopped for case in cases for one in case.filters.values())))
 
 
-def _run(campaign: Campaign, workers: int | None, scheduler: str | None, insecure: bool) -> Effort:
+def _run(campaign: Campaign, **how: Any) -> Effort:
     """Run what is missing; an interruption says how to go on.
 
     Dask logs a traceback for every connection that is torn; the sentences of this command say it all.
@@ -156,9 +158,9 @@ def _run(campaign: Campaign, workers: int | None, scheduler: str | None, insecur
     logging.disable(logging.ERROR)
     try:
         with _progress(campaign.plan.name) as report:
-            return campaign.run(workers=workers, scheduler=scheduler, insecure=insecure, report=report)
+            return campaign.run(**how, report=report)
     except KeyboardInterrupt:
-        command = shlex.join(["truenorth", *sys.argv[1:]])
+        command = shlex.join(["truenorth", *(word for word in sys.argv[1:] if word != OVERWRITE)])
         typer.echo(
             f"truenorth: stopped; what is done is kept in {campaign.folder}, and the same command resumes:\n"
             f"  {command}",
