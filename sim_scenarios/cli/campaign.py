@@ -132,8 +132,8 @@ def run_campaign(
             set=settings(set_, set_from),
             grid=settings(grid),
         )
-        folder = Results(output or DEFAULT / f"campaign-{plan.name}").output
-        assert folder is not None
+        folder = output or DEFAULT / f"campaign-{plan.name}"
+        Results(folder)
         campaign = Campaign.of(plan, folder, master)
         with storing(folder, "; what is done is kept, and the same command resumes"):
             effort = _run(

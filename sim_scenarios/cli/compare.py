@@ -123,10 +123,8 @@ def _matrix(
     from sim_scenarios import matrix, report
     from sim_scenarios.metrics.verdict import known
 
-    results = Results(output)
-    folder = results.folder("matrix")
     verdicts, files = {}, {}
-    with progress("matrix") as advance:
+    with Results(output).folder("matrix") as folder, progress("matrix") as advance:
         for runs in matrix.matrix(scenarios, chosen, seed=seed, settings=changed, progress=advance):
             name = str(runs.attrs["scenario"])
             verdicts[name] = matrix.judged(runs)

@@ -11,7 +11,7 @@ import typer
 from sim_scenarios.benchmark import filter_steps
 from sim_scenarios.catalogue import papers
 from sim_scenarios.cli.options import AsJson, Output
-from sim_scenarios.cli.results import Results, storing
+from sim_scenarios.cli.results import DEFAULT, Results, storing
 from sim_scenarios.cli.terminal import (
     console,
     print_json,
@@ -71,7 +71,8 @@ def reproduce_paper(
         _list(paper, as_json)
         return
     with refusing_bad_input():
-        folder = Results(output).folder(f"paper-{name}")
+        folder = output or DEFAULT / f"paper-{name}"
+        Results(folder)
         seeds = range(seed, seed + (runs or paper.runs))
         with storing(folder, "; runs that are done are kept, and the same command goes on with the rest"):
             planned = plans(paper, seeds, folder)

@@ -161,7 +161,8 @@ def replay_recording(
         if axis:
             if export_:
                 raise InputError(f"--export {export_[0].value}: is of one filter; leave out --axis")
-            ok = _side_by_side(file, combinations(axes(axis)), conditions, results.folder(name), as_json)
+            with results.folder(name) as folder:
+                ok = _side_by_side(file, combinations(axes(axis)), conditions, folder, as_json)
             raise typer.Exit(0 if ok else 1)
         with progress(file.name) as advance:
             run = replay(file, **conditions, progress=advance)
