@@ -30,6 +30,9 @@ TEMPORARY: Final = "truenorth-tmp-"
 DRAFT: Final = ".truenorth-draft-"
 """Beginnings of the names of folders that are removed."""
 
+CONTENTS: Final = ".truenorth-files"
+"""File of a folder that lists those beside and below it that a command wrote."""
+
 _LOCK: Final = ".lock"
 _NEWBORN: Final = 60.0
 """How long a folder may be made without being locked yet [s]."""
@@ -69,19 +72,32 @@ class Owned:
 
 
 @contextmanager
-def filled(folder: Path) -> Iterator[Path]:
+def filled(folder: Path, anew: bool = False) -> Iterator[Path]:
     """A draft of a folder: what is written into it is in the folder at the end, or nowhere at an exception.
 
     Files of the same names are replaced, each as a whole; others stay. When the disk is full or the process
-    is killed, the folder holds what it held before.
+    is interrupted, even while files change places, the folder holds what it held before; so it does when the
+    process is killed, but for that moment.
+
+    Parameters
+    ----------
+    folder : Path
+    anew : bool
+        Whether the files go that the last filling anew put there; which these are stands in `CONTENTS`.
     """
     existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     draft = Owned(existing, DRAFT)
     try:
-        content = draft.path / "content"
+        content, aside = draft.path / "content", draft.path / "aside"
         content.mkdir()
+        aside.mkdir()
         yield content
-        _move(content, folder)
+        earlier = _listed(folder) if anew else []
+        if anew:
+            _list(content)
+        _exchange(content, folder, earlier, aside)
+        if anew:
+            _prune(folder, earlier)
     finally:
         draft.remove()
 
@@ -123,14 +139,58 @@ def discard(path: Path) -> None:
         grave.remove()
 
 
-def _move(content: Path, target: Path) -> None:
-    """Put a file or folder in its place; of a folder that exists, what has the same names is replaced."""
-    if content.is_dir() and target.is_dir():
-        for entry in sorted(content.iterdir()):
-            _move(entry, target / entry.name)
-    else:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        content.replace(target)
+def _exchange(content: Path, folder: Path, earlier: list[Path], aside: Path) -> None:
+    """Put content in its place and what is in its way aside, with earlier files; at an exception nothing."""
+    moves: list[tuple[Path, Path]] = []
+
+    def move(source: Path, target: Path) -> None:
+        moves.append((source, target))  # first: an interruption may come between
+        source.replace(target)
+
+    def put(source: Path, target: Path) -> None:
+        if source.is_dir() and target.is_dir():
+            for entry in sorted(source.iterdir()):
+                put(entry, target / entry.name)
+            return
+        if os.path.lexists(target) and not target.is_dir():
+            move(target, aside / str(len(moves)))
+        move(source, target)
+
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        for path in earlier:
+            move(path, aside / str(len(moves)))
+        put(content, folder)
+    except BaseException:
+        for source, target in reversed(moves):
+            if not os.path.lexists(source):
+                target.replace(source)
+        raise
+
+
+def _list(content: Path) -> None:
+    """Write into a draft which files it has."""
+    names = sorted(path.relative_to(content).as_posix() for path in content.rglob("*") if path.is_file())
+    (content / CONTENTS).write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
+
+
+def _listed(folder: Path) -> list[Path]:
+    """Files that the list of a folder names, as far as they are there and in it."""
+    try:
+        names = (folder / CONTENTS).read_text(encoding="utf-8").splitlines()
+        root = folder.resolve()
+        paths = [folder / name for name in names]
+        return [path for path in paths if path.is_file() and root in path.resolve().parents]
+    except (OSError, ValueError):  # there is none, or one that nobody here wrote
+        return []
+
+
+def _prune(folder: Path, earlier: list[Path]) -> None:
+    """Remove the folders that are empty without earlier files."""
+    for path in earlier:
+        for parent in path.relative_to(folder).parents[:-1]:
+            with suppress(OSError):  # it is not empty, or gone
+                (folder / parent).rmdir()
 
 
 def _sweep(parent: Path, prefix: str) -> None:

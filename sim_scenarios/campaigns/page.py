@@ -36,7 +36,7 @@ MOST_NUMBERS: Final = 2_000_000
 def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[str, str]:
     """Write page, pictures and tables into a folder; their paths."""
     names = file_names(case.label for case in cases)
-    with filled(folder) as draft:
+    with filled(folder, anew=True) as draft:
         for case in cases:
             pictures.draw(case, draft / names[case.label])
         tables = [table.markdown(rows) for _, rows in _overviews(cases)]

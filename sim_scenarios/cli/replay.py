@@ -202,7 +202,7 @@ def _side_by_side(
     with progress(file.name) as advance:
         runs = side_by_side.replays(file, filters, progress=advance, **conditions)
     names = {label: f"{name}.nc" for label, name in file_names(runs).items()}
-    with storing(folder), filled(folder) as draft:
+    with storing(folder), filled(folder, anew=True) as draft:
         report.report_replays(runs, draft)
         for label, run in runs.items():
             save(run, draft / names[label])

@@ -61,7 +61,7 @@ class Results:
         """Write report and recording; their paths."""
         from sim_scenarios import recording  # slow: xarray
 
-        with self.folder(name) as folder, storing(folder), filled(folder) as draft:
+        with self.folder(name) as folder, storing(folder), filled(folder, anew=True) as draft:
             page = report(data, draft)
             recording.save(data, draft / "recording.nc")
         return {"report": str(folder / page.name), "recording": str(folder / "recording.nc")}
@@ -86,7 +86,7 @@ def _claimed(folder: Path) -> Path:
     while True:
         try:
             candidate.mkdir()
-        except FileExistsError:
+        except FileExistsError:  # noqa: PERF203
             number += 1
             candidate = folder.with_name(f"{folder.name}-{number}")
         else:

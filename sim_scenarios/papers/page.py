@@ -141,7 +141,7 @@ def write(
         left_out=left_out,
         seeds=seeds,
     )
-    with filled(folder) as draft:
+    with filled(folder, anew=True) as draft:
         for one in pictures:
             (draft / one.file).write_bytes(one.content)
         for section in sections:

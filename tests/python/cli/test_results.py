@@ -1,4 +1,4 @@
-"""The folder of a result: its own, whoever else works in the same place, and gone if nothing comes into it."""
+"""The folder of a result: its own, whoever else works in the same place, and gone if nothing comes in."""
 
 from __future__ import annotations
 
