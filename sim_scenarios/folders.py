@@ -9,6 +9,7 @@ another container may know it as something else.)
 from __future__ import annotations
 
 import atexit
+import errno
 import os
 import shutil
 import stat
@@ -20,6 +21,8 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import IO, Final
+
+from sim_scenarios.errors import InputError
 
 if sys.platform == "win32":
     import msvcrt
@@ -34,6 +37,8 @@ CONTENTS: Final = ".truenorth-files"
 """File of a folder that lists those beside and below it that a command wrote."""
 
 _LOCK: Final = ".lock"
+_TAKEN: Final = (errno.EAGAIN, errno.EACCES)
+"""Why a lock cannot be had that another process has."""
 _NEWBORN: Final = 60.0
 """How long a folder may be made without being locked yet [s]."""
 
@@ -82,6 +87,7 @@ def filled(folder: Path, anew: bool = False) -> Iterator[Path]:
     Parameters
     ----------
     folder : Path
+        It need not exist.
     anew : bool
         Whether the files go that the last filling anew put there; which these are stands in `CONTENTS`.
     """
@@ -100,6 +106,25 @@ def filled(folder: Path, anew: bool = False) -> Iterator[Path]:
             _prune(folder, earlier)
     finally:
         draft.remove()
+
+
+@contextmanager
+def reserved(folder: Path, what: str) -> Iterator[None]:
+    """A folder, made if it is missing, in which no other process has reserved the same thing meanwhile.
+
+    Raises
+    ------
+    InputError
+        Another one has; `what` says what both want to do there.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / f".truenorth-{what}").open("wb") as lock:
+        try:
+            _lock(lock)
+        except OSError as error:  # of another kind: the file system has no locks
+            if error.errno in _TAKEN:
+                raise InputError(f"{folder}: another {what} is at work in it") from None
+        yield
 
 
 @cache
@@ -219,10 +244,15 @@ def _is_left(folder: Path) -> bool:
 def _try_lock(lock: IO[bytes]) -> bool:
     """Lock a file until it is closed; whether that was possible."""
     try:
-        if sys.platform == "win32":
-            msvcrt.locking(lock.fileno(), msvcrt.LK_NBLCK, 1)
-        else:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        _lock(lock)
     except OSError:
         return False
     return True
+
+
+def _lock(lock: IO[bytes]) -> None:
+    """Lock a file until it is closed, or raise."""
+    if sys.platform == "win32":
+        msvcrt.locking(lock.fileno(), msvcrt.LK_NBLCK, 1)
+    else:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

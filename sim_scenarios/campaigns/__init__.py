@@ -27,6 +27,7 @@ from sim_scenarios.campaigns.plan import Case, Plan, cases, fingerprint, load_pl
 from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.folders import reserved
 from sim_scenarios.stepping import Master
 
 __all__ = ["Campaign", "Master", "campaign", "load_plan"]
@@ -65,8 +66,14 @@ class Campaign:
         """Run all that is missing; workers are started, or asked, only if something is.
 
         With `overwrite`, results of another campaign in the folder give way, as late as this one's can begin;
-        its own results are kept and gone on with.
+        its own results are kept and gone on with. The folder is this call's alone meanwhile.
         """
+        with reserved(self.folder, "campaign"):
+            return self._run(workers, scheduler, insecure, overwrite, report)
+
+    def _run(
+        self, workers: int | None, scheduler: str | None, insecure: bool, overwrite: bool, report: Report
+    ) -> Effort:
         identity = fingerprint(self.plan, self.cases, self.versions)
         effort = Effort(0, 0, 0.0, 0.0)
         there, damaged = self._found(identity, overwrite)

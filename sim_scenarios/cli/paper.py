@@ -23,6 +23,7 @@ from sim_scenarios.cli.terminal import (
     say,
 )
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.folders import reserved
 from sim_scenarios.papers import Paper, load_paper, page
 from sim_scenarios.papers.claims import Point, Swept, Timed, points
 from sim_scenarios.papers.reproduction import Plan, Plans, plans, result_of, run_plans
@@ -74,7 +75,8 @@ def reproduce_paper(
         folder = output or DEFAULT / f"paper-{name}"
         Results(folder)
         seeds = range(seed, seed + (runs or paper.runs))
-        with storing(folder, "; runs that are done are kept, and the same command goes on with the rest"):
+        kept = "; runs that are done are kept, and the same command goes on with the rest"
+        with storing(folder, kept), reserved(folder, "paper"):
             planned = plans(paper, seeds, folder)
             _announce(name, planned, folder, workers_of(workers))
             sections: list[page.Section] = []

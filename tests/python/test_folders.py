@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -12,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from sim_scenarios import folders
-from sim_scenarios.folders import CONTENTS, DRAFT, TEMPORARY, Owned, discard, filled
+from sim_scenarios.errors import InputError
+from sim_scenarios.folders import CONTENTS, DRAFT, TEMPORARY, Owned, discard, filled, reserved
 
 OWNER = """
     import sys, time
@@ -214,3 +216,39 @@ def test_what_is_discarded_is_gone(tmp_path: Path) -> None:
     discard(tmp_path / "a")
     discard(tmp_path / "a")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_is_reserved_by_one_process_for_one_thing(tmp_path: Path) -> None:
+    """Until it ends, however it does."""
+    code = """
+        import sys
+        from pathlib import Path
+        from sim_scenarios.folders import reserved
+        with reserved(Path(sys.argv[1]), "campaign"):
+            print("reserved", flush=True)
+            sys.stdin.read()
+    """
+    pipe, folder = subprocess.PIPE, tmp_path / "new"
+    command = [sys.executable, "-c", textwrap.dedent(code), str(folder)]
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True) as process:
+        assert line(process).name == "reserved"
+        with (
+            pytest.raises(InputError, match="new: another campaign is at work in it"),
+            reserved(folder, "campaign"),
+        ):
+            pass
+        with reserved(folder, "paper"):
+            pass
+        process.kill()
+    for _ in range(2):
+        with reserved(folder, "campaign"):
+            pass
+
+
+def test_a_file_system_without_locks_does_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def lock(_: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(folders, "_lock", lock)
+    with reserved(tmp_path, "campaign"):
+        pass

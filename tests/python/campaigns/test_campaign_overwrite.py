@@ -18,6 +18,7 @@ from sim_scenarios.campaigns.store import State
 from sim_scenarios.cli.application import app
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.folders import reserved
 
 WINDOW = {"evaluation.start": 1.0, "evaluation.stop": 3.0, "filter_fmu": "NavigationFilter"}
 
@@ -96,6 +97,22 @@ def test_what_cannot_be_gone_on_with_gives_way(
         another.run()
     assert another.run(overwrite=True).runs == 2
     assert store.counts(another.path)[State.finished] == 0
+
+
+def test_a_campaign_that_is_at_work_is_left_alone(finished: Campaign) -> None:
+    """Neither cleared, nor swept of what its workers are writing."""
+    writing = finished.path / "state" / "0.0.0.partial"
+    writing.touch()
+    before = content(finished)
+    for overwrite in (False, True):
+        with (
+            reserved(finished.folder, "campaign"),
+            pytest.raises(InputError, match="another campaign is at work in it"),
+        ):
+            finished.run(overwrite=overwrite)
+    assert content(finished) == before
+    finished.run()
+    assert not writing.exists()
 
 
 def test_the_hint_after_an_interruption_overwrites_nothing(
