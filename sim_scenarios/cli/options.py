@@ -87,7 +87,8 @@ def axes(given: list[str] | None) -> dict[str, list[object]]:
             raise InputError(f"--axis {axis}: write NAME=VALUE,VALUE...")
         if name in found:
             raise InputError(f"--axis {axis}: {name} has been given before")
-        if any(value in values[:i] for i, value in enumerate(values)):
+        labels = {str(value) for value in values}
+        if len(labels) < len(values) or any(value in values[:i] for i, value in enumerate(values)):
             raise InputError(f"--axis {axis}: give each value once")
         found[name] = values
     return found
