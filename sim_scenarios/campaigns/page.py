@@ -18,6 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from plotly.offline import get_plotlyjs
 
+from sim_scenarios import markdown
 from sim_scenarios.campaigns import pictures, store, table
 from sim_scenarios.campaigns.quantities import ERRORS
 from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
@@ -39,7 +40,7 @@ def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[
     with filled(folder, anew=True) as draft:
         for case in cases:
             pictures.draw(case, draft / names[case.label])
-        tables = [table.markdown(rows) for _, rows in _overviews(cases)]
+        tables = [markdown.table(rows) for _, rows in _overviews(cases)]
         (draft / "table.md").write_text("\n".join(tables), encoding="utf-8")
         (draft / "report.html").write_text(_html(data, cases), encoding="utf-8")
     there = {"report": "report.html", "table": "table.md", "data": store.NAME}

@@ -162,13 +162,6 @@ def unit_of(case: CaseSummary) -> tuple[str, float]:
     return UNITS[ERRORS[case.counting].unit]
 
 
-def markdown(rows: Rows) -> str:
-    """A table in Markdown."""
-    heading, *body = ([cell.replace("\n", " ") for cell in cells] for cells in rows)
-    lines = [heading, ["---"] * len(heading), *body]
-    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
-
-
 def for_machines(case: CaseSummary) -> dict[str, Any]:
     """All figures of a case in SI units; an interval as a list, None where a figure does not exist."""
     return {

@@ -203,7 +203,10 @@ def _progress(title: str) -> Iterator[Callable[[Progress], None]]:
     if not standard_error.is_terminal:
         yield _tenths(title)
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[said]}"))
+    title_column, said_column = (
+        TextColumn(f"{{task.{what}}}", markup=False) for what in ("description", "fields[said]")
+    )
+    columns = (title_column, BarColumn(), said_column)
     with Bar(*columns, console=standard_error, transient=True) as bar:
         task = bar.add_task(title, total=1.0, said="starting")
         yield lambda p: bar.update(task, total=p.total, completed=p.done, said=_said(p))

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.markup import escape
 
 from sim_scenarios.cli.terminal import print_names, print_pairs, refusing_bad_input, say
 from sim_scenarios.errors import InputError
@@ -40,7 +39,7 @@ def import_recording(
         text, guesses = drafting.draft(files, output.parent)
         with filled(output.parent) as draft:
             (draft / output.name).write_text(text, encoding="utf-8")
-        print_names([["Guess", "Why"], *(escape(guess).split(": ", 1) for guess in guesses)])
+        print_names([["Guess", "Why"], *(guess.split(": ", 1) for guess in guesses)])
         try:
             doubts = checks.doubts(description.load(output))
         except InputError as error:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, NoReturn
 import typer
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from sim_scenarios.errors import InputError, SimulationError
 
@@ -76,7 +77,8 @@ def progress(title: str) -> Iterator[Callable[[float], None]]:
     if not standard_error.is_terminal:
         yield _quarters(title)
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    titles = TextColumn("{task.description}", markup=False)
+    columns = (titles, BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
     with Progress(*columns, console=standard_error, transient=True) as bar:
         task = bar.add_task(title, total=1.0)
         last = time.monotonic()
@@ -139,9 +141,9 @@ def print_names(rows: list[list[str]], output: Console | None = None) -> None:
     """Names and what they stand for, the heading first. Where it is narrow the second column folds."""
     table = Table(box=None, pad_edge=False)
     for i, title in enumerate(rows[0]):
-        table.add_column(title, no_wrap=not i)
+        table.add_column(Text(title), no_wrap=not i)
     for row in rows[1:]:
-        table.add_row(*row)
+        table.add_row(*map(Text, row))
     (output or console()).print(table)
 
 
@@ -149,11 +151,9 @@ def print_table(rows: list[list[str]], output: Console | None = None) -> None:
     """Rows, the heading first. Where it is narrow the first column folds, never a figure."""
     table = Table(box=None, pad_edge=False)
     for i, title in enumerate(rows[0]):
-        table.add_column(
-            title.replace("[", r"\["), justify="right" if i else "left", no_wrap=bool(i), vertical="bottom"
-        )
+        table.add_column(Text(title), justify="right" if i else "left", no_wrap=bool(i), vertical="bottom")
     for row in rows[1:]:
-        table.add_row(*row)
+        table.add_row(*map(Text, row))
     (output or console()).print(table)
 
 

@@ -14,9 +14,10 @@ from rich.console import Console
 from typer.testing import CliRunner, Result
 
 from sim_scenarios import catalogue
+from sim_scenarios.cli import terminal
 from sim_scenarios.cli.application import app
 from sim_scenarios.cli.commands import COMMANDS, command
-from sim_scenarios.cli.terminal import FEW, print_names, print_table
+from sim_scenarios.cli.terminal import FEW, print_names, print_table, progress
 from sim_scenarios.version import product_version
 
 SHORT = ["--set", "duration=60", "--set", "evaluation.start=30"]
@@ -261,6 +262,9 @@ def test_a_scenario_of_the_folder_needs_no_toml(tmp_path: Path, monkeypatch: pyt
         (["compare", "zigzag", "--axis", "igg"], "write NAME=VALUE,VALUE"),
         (["compare", "zigzag", "--axis", "corrector=igg", "--axis", "corrector=igg"], "given before"),
         (["compare", "zigzag", "--axis", "corrector=igg,igg"], "give each value once"),
+        (["compare", "zigzag", "--axis", "corrector=1,'1'"], "give each value once"),
+        (["compare", "zigzag", "waves", "zigzag"], "zigzag, zigzag: each scenario must have a name"),
+        (["compare", "zigzag", "nowhere.toml"], "there is no scenario file nowhere.toml"),
         (["compare", "zigzag", "--axis", "corrector=standart"], "settings: compare.standart: corrector:"),
         (["compare", "zigzag", "--axis", "error_model=loose"], "'loose' is none of"),
         (["bound", "swaying_ship", "--set", "gnss.velocity_sigma=0"], "the bound needs GNSS"),
@@ -336,6 +340,25 @@ def test_figures_stay_whole_at_80_columns(capsys: pytest.CaptureFixture[str]) ->
     assert any(all(cell in line for cell in cells) for line in lines)
 
 
+@pytest.mark.parametrize("label", ["UKF [tuned]", "UKF [/old]", "[red]UKF", r"UKF \[x]"])
+def test_labels_stand_as_they_are(capsys: pytest.CaptureFixture[str], label: str) -> None:
+    """None of it is markup, neither in tables nor in the title of a progress."""
+    for printed in (print_table, print_names):
+        printed([["Filter [1]", "RMSE"], [label, "1.23"]], Console(width=80))
+        out = capsys.readouterr().out
+        assert label in out
+        assert "Filter [1]" in out
+
+
+def test_a_progress_has_the_title_that_it_is_given(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(terminal, "Console", lambda stderr: Console(stderr=stderr, force_terminal=True))
+    with progress("imu [/1].csv") as advance:
+        advance(1.0)
+    assert "imu [/1].csv" in capsys.readouterr().err
+
+
 def test_names_are_whole_where_the_terminal_is_narrow(capsys: pytest.CaptureFixture[str]) -> None:
     rows = [["scenario", "what happens"], ["flight_accelerometer_fault", "words " * 40]]
     print_names(rows, Console(width=60))
@@ -391,3 +414,20 @@ def test_help_teaches_with_examples(command: str) -> None:
     assert f"truenorth {command}" in result.stdout
     for option in ("--output", "--seed", "--set", "--json"):
         assert option in result.stdout
+
+
+@pytest.mark.usefixtures("fmus")
+def test_scenarios_of_one_name_are_refused_before_any_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the name that a file says, too, under which its results would be written."""
+    monkeypatch.chdir(tmp_path)
+    for folder, said in (("a", ""), ("b", ""), ("c", 'name = "my"\n')):
+        Path(folder).mkdir()
+        file = Path(folder, "other.toml" if said else "my.toml")
+        file.write_text(f'extends = "waves"\n{said}', encoding="utf-8")
+    for second in ("b/my.toml", "c/other.toml"):
+        result = truenorth("compare", "a/my.toml", second)
+        assert result.exit_code == 2
+        assert f"a/my.toml, {second}: each scenario must have a name of its own" in result.stderr
+        assert "%" not in result.stderr
