@@ -254,9 +254,13 @@ def consistency_course(total: Array, degrees: Array) -> Course:
 
 
 def nees_course(error: Array, sigma: Array) -> Course:
-    """Mean over runs of (error / sigma)^2 over time, from the values of each run, shape (runs, times)."""
-    nees = (error / sigma) ** 2
-    known = np.isfinite(nees)
+    """Mean over runs of (error / sigma)^2 over time, from the values of each run, shape (runs, times).
+
+    It is infinite where an error is no number, and its sigma is one.
+    """
+    known = np.isfinite(sigma) & (sigma > 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        nees = np.where(np.isfinite(error), (error / sigma) ** 2, np.inf)
     return consistency_course(np.where(known, nees, 0.0), known.astype(float))
 
 
@@ -362,7 +366,7 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
     settled = np.nan_to_num(one["convergence_time"].values[finished], nan=np.inf)
     times = np.sort(np.append(settled, np.full(stopped, np.inf)))
     deviation = one["claimed_deviation"].values[finished]
-    claims = int(np.isfinite(deviation).sum())
+    claims = int((~np.isnan(deviation)).sum())  # infinite where an error is no number
     sure = one["sure_time"].values[finished]
     return {
         "runs": runs,

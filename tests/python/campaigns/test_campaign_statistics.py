@@ -346,6 +346,21 @@ def test_the_nees_is_that_of_the_runs_that_have_a_sigma() -> None:
     assert course.upper[0] == pytest.approx(stats.chi2.ppf(0.975, 1))
 
 
+def test_an_error_that_is_no_number_counts_against_the_filter(results: xr.Dataset) -> None:
+    """Neither its claims nor its NEES are left out; a time that the run does not reach is."""
+    error = np.array([[0.0, 1.0, np.nan], [0.0, np.nan, np.nan]])
+    sigma = np.array([[1.0, 1.0, np.nan], [1.0, 1.0, np.nan]])
+    np.testing.assert_array_equal(nees_course(error, sigma).middle, [0.0, np.inf, np.nan])
+    assert table.number(np.inf) == "inf"
+    changed = results.copy(deep=True)
+    changed["claimed_deviation"].values[:] = [1.0, *[np.inf] * (results.sizes["run"] - 1)]
+    for case in summarise(changed):
+        for one in case.filters.values():
+            finished = one.runs - one.stopped
+            assert one.claims == finished
+            assert one.wrong_claims.value == pytest.approx((finished - 1) / finished)
+
+
 def test_filters_are_compared_on_the_seeds_that_both_finished(results: xr.Dataset) -> None:
     (case,) = summarise(results)
     assert case.reference == "a"
