@@ -115,13 +115,14 @@ class NavigationVerdict(Verdict):
 
     def row(self) -> dict[str, str]:
         """Figures of a line in a comparison."""
+        doubt = "" if self.fit else f", {self.status}"
         return {
             "horiz.\n[m]": cell(self.horizontal, 2),
             "vert.\n[m]": cell(self.vertical, 2),
             "veloc.\n[m/s]": cell(self.velocity, 4),
             "tilt\n[']": cell(self.tilt / ARCMIN, 3),
             "head.\n[']": cell(self.yaw / ARCMIN, 3),
-            "within\nlimit": ("yes" if self.within_limit else "no") + ("" if self.fit else f", {self.status}"),
+            "within\nlimit": ("yes" if self.within_limit else "no") + doubt,
             **self._fix_cells(),
         }
 
