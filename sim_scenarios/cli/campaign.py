@@ -140,7 +140,7 @@ def run_campaign(
                 campaign, workers=workers, scheduler=scheduler, insecure=insecure, overwrite=overwrite
             )
             data = store.open_results(folder)
-            cases = list(summarise(data))
+            cases = list(summarise(data, plan))
             files = page.write(data, cases, folder)
     if as_json:
         figures = {case.label: table.for_machines(case) for case in cases}
