@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import xarray as xr
 
@@ -110,10 +110,11 @@ def matrix(
         chosen |= combinations(axes)
 
     def loaded(scenario: str | Path) -> Scenario:
-        with_nominal = load_scenario(scenario, fmus, seed=seed, settings=settings, compare=chosen)
+        how: dict[str, Any] = {"seed": seed, "settings": settings, "running": None}
+        with_nominal = load_scenario(scenario, fmus, compare=chosen, **how)
         if axes:
             return with_nominal
-        own = load_scenario(scenario, fmus, seed=seed, settings=settings)
+        own = load_scenario(scenario, fmus, **how)
         filters = {"compare": {**with_nominal.compare, **own.compare}, "rivals": own.rivals}
         return with_nominal.model_copy(update=filters)
 

@@ -13,6 +13,7 @@ shipped scenario states only what differs; its table `compare` replaces the whol
 from __future__ import annotations
 
 from collections.abc import Container, Mapping
+from itertools import combinations
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -278,6 +279,7 @@ def load_scenario(
     seed: int | None = None,
     settings: Mapping[str, object] | None = None,
     compare: Mapping[str, Mapping[str, object]] | None = None,
+    running: Container[str] | None = (),
 ) -> Scenario:
     """Scenario of a shipped name or a path, with settings that override the file.
 
@@ -294,6 +296,9 @@ def load_scenario(
         where several FMUs have it, or an entry of the scenario (`duration`, `initial_error.misalignment`).
     compare : mapping, optional
         Filters to compare in place of the scenario's: parameters by label.
+    running : container of str, optional
+        Labels of the filters that are compared, None for all of them: no setting may overrule what one of
+        these says of itself, for its label would not be true.
 
     Returns
     -------
@@ -321,6 +326,9 @@ def load_scenario(
     if compare is not None:
         table["compare"] = compare
     changed = _check(_overridden(table, parts, overriding), parts, fmus, "the settings")
+    if running is None or running:
+        says = unchanged if compare is None else _check(table, parts, fmus, "the filters")
+        _refuse_overruled(says, changed, running, parts["filter"])
     changed = _bound_of_what_is_drawn(changed, overriding)
     if not (unchanged.notes and settings):
         return changed
@@ -328,6 +336,29 @@ def load_scenario(
     return changed.model_copy(
         update={"notes": f"Of the scenario as it is written, before {names} changed: {changed.notes.strip()}"}
     )
+
+
+def _refuse_overruled(stated: Scenario, changed: Scenario, running: Container[str] | None, fmu: Fmu) -> None:
+    """Refuse settings that make a filter another than its entry says, or two filters one."""
+    labels = [label for label in stated.compare if running is None or label in running]
+    for label in labels:
+        for name, value in stated.compare[label].items():
+            if changed.compare[label][name] != value:
+                raise InputError(
+                    f"the setting {name}: {label} is what it is by its own {name} = "
+                    f"{fmu.variables[name].display(value)}; leave it out (--filter of a campaign, or a "
+                    "comparison of your own), or run one filter alone"
+                )
+
+    def are_one(scenario: Scenario, labels: tuple[str, str]) -> bool:
+        one, other = ({**scenario.filter, **scenario.compare[label]} for label in labels)
+        return all(
+            one.get(name, fmu.start(name)) == other.get(name, fmu.start(name)) for name in {*one, *other}
+        )
+
+    for pair in combinations(labels, 2):
+        if are_one(changed, pair) and not are_one(stated, pair):
+            raise InputError(f"the settings make {' and '.join(pair)} the same filter; run one of them alone")
 
 
 def _bound_of_what_is_drawn(scenario: Scenario, settings: Mapping[str, object]) -> Scenario:

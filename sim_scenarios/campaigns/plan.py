@@ -37,7 +37,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -245,15 +245,28 @@ def _case(plan: Plan, source: str, label: str, own: NamedCase, point: Mapping[st
     if clash := [name for name in drawn if name in settings]:
         raise InputError(f"draw: {clash[0]} is set and drawn{f' in {label}' if label else ''}")
     compare = _own_filters(plan, source)
-    scenario = load_scenario(source, fmus, seed=plan.seed, settings=settings, compare=compare)
+    running = plan.filters if isinstance(plan.filters, tuple) else None
+    scenario = load_scenario(
+        source, fmus, seed=plan.seed, settings=settings, compare=compare, running=running
+    )
     _check_period(plan.period, scenario)
+    draws = tuple(draw(name, given, scenario, fmus) for name, given in drawn.items())
+    _check_drawn(draws, scenario, running)
     return Case(
         " ".join([scenario.name, *([label] if label else []), *_texts(point)]),
         source,
         settings,
         scenario,
-        tuple(draw(name, given, scenario, fmus) for name, given in drawn.items()),
+        draws,
     )
+
+
+def _check_drawn(draws: Sequence[Draw], scenario: Scenario, running: Container[str] | None) -> None:
+    """Refuse to draw for all filters what makes one of them what it is."""
+    scalars = [name for one in draws if one.part == "filter" for name in one.units]
+    for label, entry in scenario.compare.items():
+        if (running is None or label in running) and (own := [name for name in scalars if name in entry]):
+            raise InputError(f"draw: {own[0]} is for all filters, and {label} has one of its own")
 
 
 def _texts(point: Mapping[str, Any]) -> list[str]:

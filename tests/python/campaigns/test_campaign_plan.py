@@ -192,3 +192,22 @@ def test_a_fingerprint_tells_campaigns_apart(fmus: Fmus, plan_file: Path) -> Non
 @pytest.mark.parametrize(("runs", "batch"), [(1, 1), (10, 1), (100, 2), (1000, 16), (100_000, 16)])
 def test_batches_are_few_and_even(runs: int, batch: int) -> None:
     assert Plan(name="any", scenarios=("waves",), runs=runs).batch == batch
+
+
+@pytest.mark.parametrize(
+    ("table", "changed", "harmless"),
+    [
+        ("set", 'corrector = "igg"', '"gate.enabled" = true'),
+        ("grid", 'corrector = ["igg"]', '"gate.enabled" = [true, false]'),
+        ("draw", 'corrector = { choice = ["igg"] }', '"gate.enabled" = { choice = [true, false] }'),
+    ],
+)
+def test_a_campaign_makes_no_filter_another_than_its_label_says(
+    tmp_path: Path, fmus: Fmus, table: str, changed: str, harmless: str
+) -> None:
+    plan = tmp_path / "plan.toml"
+    plan.write_text(f'scenarios = ["waves"]\nfilters = ["EKF"]\n[{table}]\n{changed}\n')
+    with pytest.raises(InputError, match=r"corrector.* EKF"):
+        cases(load_plan(plan), fmus)
+    plan.write_text(f'scenarios = ["waves"]\nfilters = ["EKF"]\n[{table}]\n{harmless}\n')
+    assert cases(load_plan(plan), fmus)
