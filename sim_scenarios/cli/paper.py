@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
@@ -44,6 +46,9 @@ FirstSeed = Annotated[int, typer.Option("--seed", min=0, help="Seed of the first
 Workers = Annotated[int | None, typer.Option(min=1, help="Processes.", show_default="one for each core")]
 
 
+KEPT: Final = "runs that are done are kept, and the same command goes on with the rest"
+
+
 def reproduce_paper(
     name: Name,
     listing: List = False,
@@ -55,8 +60,8 @@ def reproduce_paper(
 ) -> None:
     """Reproduce what a paper prints: its figures beside those measured here, and why they differ.
 
-    Finished runs are kept in the output folder: the same command with the same `--output` goes on where it
-    was stopped, and does only what is new when `-n` grows.
+    Finished runs are kept in the output folder: the same command goes on where it was stopped, and does only
+    what is new when `-n` grows.
 
     For example:
 
@@ -75,8 +80,7 @@ def reproduce_paper(
         folder = output or DEFAULT / f"paper-{name}"
         Results(folder)
         seeds = range(seed, seed + (runs or paper.runs))
-        kept = "; runs that are done are kept, and the same command goes on with the rest"
-        with storing(folder, kept), reserved(folder, "paper"):
+        with storing(folder, f"; {KEPT}"), reserved(folder, "paper"), _saying_what_is_kept(folder):
             planned = plans(paper, seeds, folder)
             _announce(name, planned, folder, workers_of(workers))
             sections: list[page.Section] = []
@@ -120,6 +124,16 @@ def reproduce_paper(
     )
     for sentence in (*planned.left_out, paper.verdict):
         console().print(sentence, highlight=False, markup=False)
+
+
+@contextmanager
+def _saying_what_is_kept(folder: Path) -> Iterator[None]:
+    """Say how to go on after an interruption."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        say(f"truenorth: stopped; in {folder} {KEPT}")
+        raise
 
 
 def _announce(name: str, planned: Plans, folder: Path, workers: int) -> None:
