@@ -12,6 +12,7 @@ shipped scenario states only what differs; its table `compare` replaces the whol
 
 from __future__ import annotations
 
+import math
 from collections.abc import Container, Mapping
 from itertools import combinations
 from pathlib import Path
@@ -50,6 +51,7 @@ from sim_scenarios.fmus import (
     did_you_mean,
 )
 from sim_scenarios.names import Label, Name, Text
+from sim_scenarios.timeline import RESOLUTION
 from sim_scenarios.toml import dotted
 from sim_scenarios.units import DEGREE
 
@@ -66,6 +68,9 @@ MOST_ROWS: Final = {"communication_step": 100_000_000, "recording_period": 10_00
 
 FILTER: Final = "filter"
 """Label of the scenario's filter where it runs alone."""
+
+_OF_THE_FILE: Final = ("name", "compare", "rivals")
+"""Entries that are no settings."""
 
 Parts = Mapping[str, Fmu]
 """The FMUs that a scenario connects, by the table of their parameters: plant, filter, perhaps alignment."""
@@ -210,15 +215,25 @@ class Scenario(Table):
                     f"duration = {self.duration:g} s: must be at most {most} times the {name} of {step:g} s"
                 )
         if not 0 <= self.evaluation.start < self.evaluation.stop:
-            raise InputError("evaluation.start must be at least 0 and before evaluation.stop")
+            raise InputError(
+                f"evaluation.start = {self.evaluation.start:g} s: must be at least 0 and before "
+                f"evaluation.stop ({self.evaluation.stop:g} s)"
+            )
         if self.evaluation.start >= self.duration:
             raise InputError(
                 f"evaluation.start = {self.evaluation.start:g}: must be below duration ({self.duration:g} s)"
             )
+        stop = min(self.evaluation.stop, self.duration)
+        period = self.recording_period
+        if math.ceil((self.evaluation.start - RESOLUTION) / period) * period > stop + RESOLUTION:
+            raise InputError(
+                f"evaluation.start = {self.evaluation.start:g} s: nothing is recorded from there to "
+                f"{stop:g} s with a recording_period of {period:g} s"
+            )
         for name in ("heading_limit", "horizontal_limit"):
             limit = getattr(self.evaluation, name)
             if limit is not None and limit <= 0:
-                raise InputError(f"evaluation.{name} must be greater than 0")
+                raise InputError(f"evaluation.{name} = {limit:g}: must be greater than 0")
         return self
 
     @model_validator(mode="after")
@@ -465,9 +480,12 @@ def setting_owner(name: str, parts: Parts) -> tuple[str, str]:
         return prefix, rest
     if prefix == "alignment":
         raise InputError(f"the setting {name}: the scenario has no table alignment")
-    if prefix in Scenario.model_fields and prefix not in ("name", "compare", "rivals"):
+    if prefix in _OF_THE_FILE:
+        raise InputError(f"the setting {name}: {prefix} is no setting; write a scenario file with extends")
+    if prefix in Scenario.model_fields:
         return "scenario", name
-    known = [*(p for fmu in parts.values() for p in fmu.parameter_names()), *Scenario.model_fields]
+    entries = [entry for entry in Scenario.model_fields if entry not in _OF_THE_FILE]
+    known = [*(p for fmu in parts.values() for p in fmu.parameter_names()), *entries]
     raise InputError(f"the setting {name}: no FMU has such a parameter{did_you_mean(name, known)}")
 
 

@@ -15,7 +15,7 @@ from rich.progress import BarColumn, TextColumn
 from rich.progress import Progress as Bar
 
 from sim_scenarios.cli import INTERRUPTED
-from sim_scenarios.cli.options import AsJson, Output, Settings, SettingsFile, settings
+from sim_scenarios.cli.options import AsJson, Output, Settings, SettingsFile, campaigns, settings
 from sim_scenarios.cli.results import DEFAULT, Results, storing
 from sim_scenarios.cli.terminal import (
     console,
@@ -43,6 +43,7 @@ Name = Annotated[
         metavar="FILE|SCENARIO",
         help="Campaign file (TOML), shipped campaign, or scenario (`truenorth list`).",
         show_default=False,
+        autocompletion=campaigns,
     ),
 ]
 Runs = Annotated[
@@ -130,7 +131,7 @@ def run_campaign(
             filters=tuple(filters) if filters else None,
             cases=tuple(named) if named else None,
             set=settings(set_, set_from),
-            grid=settings(grid),
+            grid=settings(grid, option="--grid"),
         )
         folder = output or DEFAULT / f"campaign-{plan.name}"
         Results(folder)

@@ -10,9 +10,9 @@ from typing import Annotated, Final
 
 import typer
 
+from sim_scenarios import catalogue
 from sim_scenarios.benchmark import filter_steps
-from sim_scenarios.catalogue import papers
-from sim_scenarios.cli.options import AsJson, Output
+from sim_scenarios.cli.options import AsJson, Output, papers
 from sim_scenarios.cli.results import DEFAULT, Results, storing
 from sim_scenarios.cli.terminal import (
     console,
@@ -32,7 +32,13 @@ from sim_scenarios.papers.reproduction import Plan, Plans, plans, result_of, run
 from sim_scenarios.processes import processes, workers_of
 
 Name = Annotated[
-    str, typer.Argument(metavar="NAME", help=f"One of {', '.join(papers())}.", show_default=False)
+    str,
+    typer.Argument(
+        metavar="NAME",
+        help=f"One of {', '.join(catalogue.papers())}.",
+        show_default=False,
+        autocompletion=papers,
+    ),
 ]
 List = Annotated[
     bool,

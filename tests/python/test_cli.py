@@ -189,6 +189,10 @@ def test_a_shell_completes_commands_options_and_scenarios(monkeypatch: pytest.Mo
     assert completed("truenorth pa", 1) == ["parameters", "paper"]
     assert "--output" in completed("truenorth run --", 2)
     assert completed("truenorth run zig", 2) == ["zigzag"]
+    assert completed("truenorth compare waves zig", 3) == ["zigzag"]
+    assert completed("truenorth campaign fau", 2) == ["faults"]
+    assert completed("truenorth campaign zig", 2) == ["zigzag"]
+    assert completed("truenorth paper zh", 2) == ["zhao", "zhou"]
 
 
 def test_version() -> None:
@@ -272,6 +276,17 @@ def test_a_scenario_of_the_folder_needs_no_toml(tmp_path: Path, monkeypatch: pyt
         (["replay", "absent.csv", "--heading", "10", "--zero-velocity"], "LATITUDE,LONGITUDE,HEIGHT"),
         (["run"], "SCENARIO"),
         (["run", "swaying_ship", "--sed", "3"], "--sed"),
+        (["run", "zigzag", "--set", "name=x"], "the setting name: name is no setting"),
+        (["run", "zigzag", "--set", "compare.EKF.corrector=igg"], "compare is no setting"),
+        (["run", "zigzag", "--set", "evaluation.start=700"], "evaluation.start = 700 s: must be at least 0"),
+        (["run", "zigzag", "--set", "evaluation.stop=9"], "before evaluation.stop (9 s)"),
+        (
+            ["run", "zigzag", "--set", "duration=20.05", "--set", "evaluation.start=20.02"],
+            "evaluation.start = 20.02 s: nothing is recorded from there to 20.05 s",
+        ),
+        (["run", "zigzag", "--set", "evaluation.heading_limit=0"], "evaluation.heading_limit = 0: must be"),
+        (["replay", "absent.csv", "--heading-sigma", "-5"], "--heading-sigma -5: must be at least 0 deg"),
+        (["replay", "absent.csv", "--course-speed", "-1"], "--course-speed -1: must be greater than 0 m/s"),
     ],
 )
 def test_bad_input_is_refused_in_a_sentence(arguments: list[str], words: str) -> None:

@@ -211,3 +211,30 @@ def test_a_campaign_makes_no_filter_another_than_its_label_says(
         cases(load_plan(plan), fmus)
     plan.write_text(f'scenarios = ["waves"]\nfilters = ["EKF"]\n[{table}]\n{harmless}\n')
     assert cases(load_plan(plan), fmus)
+
+
+def test_names_need_no_quotes(tmp_path: Path, fmus: Fmus) -> None:
+    """As in a scenario file: a dotted key and a table within another say the same as a quoted name."""
+    plan = tmp_path / "plan.toml"
+    plain = """
+        [set]
+        gate.enabled = true
+        [grid]
+        gnss.rate = [1.0, 5.0]
+        [draw]
+        motion.speed = { uniform = [5.0, 6.0] }
+        [draw.motion.course]
+        choice = [0.0, 1.0]
+        [cases.one]
+        set = { gnss.velocity_sigma = 0.1 }
+    """
+    quoted = plain.replace("[draw.motion.course]", '[draw."motion.course"]')
+    for name in ("gate.enabled", "gnss.rate", "motion.speed", "gnss.velocity_sigma"):
+        quoted = quoted.replace(f"{name} =", f'"{name}" =')
+    plans = []
+    for content in (plain, quoted):
+        plan.write_text(f'scenarios = ["waves"]\n{content}')
+        plans.append(load_plan(plan))
+    assert plans[0] == plans[1]
+    assert set(plans[0].draw) == {"motion.speed", "motion.course"}
+    assert len(cases(plans[0], fmus)) == 2
