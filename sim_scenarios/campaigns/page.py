@@ -121,6 +121,7 @@ def _filter(one: Summary, thin: slice, unit: float) -> dict[str, Any]:
         },
         "nis": _course(one.nis_course, thin),
         "nees": _course(one.nees_course, thin),
+        "runs": one.runs,
         "each": _numbers(np.sort(one.each) / unit),
     }
 
