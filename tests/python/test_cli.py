@@ -355,6 +355,20 @@ def test_figures_stay_whole_at_80_columns(capsys: pytest.CaptureFixture[str]) ->
     assert any(all(cell in line for cell in cells) for line in lines)
 
 
+@pytest.mark.parametrize("width", [40, 80, 100, 160])
+def test_a_wide_table_loses_neither_names_nor_figures(capsys: pytest.CaptureFixture[str], width: int) -> None:
+    """That of a campaign, which has a dozen columns."""
+    titles = ["heading\nRMSE [arcmin]", "95 %\ninterval", "/ EKF\n(95 %)", *(f"figure {i}" for i in range(8))]
+    cells = ["17.21", "15.30 to 19.36", "0.981 (0.942 to 1.021)", *(f"{i}.234" for i in range(8))]
+    labels = ["robust UKF [ceiling]", "EKF"]
+    print_table([["filter", *titles], *([label, *cells] for label in labels)], Console(width=width))
+    out = capsys.readouterr().out
+    assert "\u2026" not in out
+    assert max(map(len, out.splitlines())) <= width
+    assert all(out.count(cell) == len(labels) for cell in cells)
+    assert all(word in out for word in ("robust", "[ceiling]"))
+
+
 @pytest.mark.parametrize("label", ["UKF [tuned]", "UKF [/old]", "[red]UKF", r"UKF \[x]"])
 def test_labels_stand_as_they_are(capsys: pytest.CaptureFixture[str], label: str) -> None:
     """None of it is markup, neither in tables nor in the title of a progress."""
