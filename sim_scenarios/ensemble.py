@@ -342,8 +342,8 @@ def _runs(
     runs = []
     for seed in seeds:
         file = run_file(kept, seed) if kept else None
-        if file and file.is_file():
-            runs.append(recording.load(file))
+        if file and (done := _kept(file)) is not None:
+            runs.append(done)
             continue
         run = errors_of_run(_run(scenario, seed, labels, settings, residuals))
         if file:
@@ -352,6 +352,14 @@ def _runs(
             unfinished.replace(file)
         runs.append(run)
     return runs
+
+
+def _kept(file: Path) -> xr.Dataset | None:
+    """A run that is kept; None of one that is not there, or damaged."""
+    try:
+        return recording.load(file) if file.is_file() else None
+    except Exception:  # whatever the reader makes of it
+        return None
 
 
 class _OnWorker(threading.local):

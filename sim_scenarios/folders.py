@@ -9,6 +9,7 @@ another container may know it as something else.)
 from __future__ import annotations
 
 import atexit
+import errno
 import os
 import shutil
 import stat
@@ -21,6 +22,8 @@ from functools import cache
 from pathlib import Path
 from typing import IO, Final
 
+from sim_scenarios.errors import InputError
+
 if sys.platform == "win32":
     import msvcrt
 else:
@@ -30,7 +33,12 @@ TEMPORARY: Final = "truenorth-tmp-"
 DRAFT: Final = ".truenorth-draft-"
 """Beginnings of the names of folders that are removed."""
 
+CONTENTS: Final = ".truenorth-files"
+"""File of a folder that lists those beside and below it that a command wrote."""
+
 _LOCK: Final = ".lock"
+_TAKEN: Final = (errno.EAGAIN, errno.EACCES)
+"""Why a lock cannot be had that another process has."""
 _NEWBORN: Final = 60.0
 """How long a folder may be made without being locked yet [s]."""
 
@@ -69,21 +77,54 @@ class Owned:
 
 
 @contextmanager
-def filled(folder: Path) -> Iterator[Path]:
+def filled(folder: Path, anew: bool = False) -> Iterator[Path]:
     """A draft of a folder: what is written into it is in the folder at the end, or nowhere at an exception.
 
     Files of the same names are replaced, each as a whole; others stay. When the disk is full or the process
-    is killed, the folder holds what it held before.
+    is interrupted, even while files change places, the folder holds what it held before; so it does when the
+    process is killed, but for that moment.
+
+    Parameters
+    ----------
+    folder : Path
+        It need not exist.
+    anew : bool
+        Whether the files go that the last filling anew put there; which these are stands in `CONTENTS`.
     """
     existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     draft = Owned(existing, DRAFT)
     try:
-        content = draft.path / "content"
+        content, aside = draft.path / "content", draft.path / "aside"
         content.mkdir()
+        aside.mkdir()
         yield content
-        _move(content, folder)
+        earlier = _listed(folder) if anew else []
+        if anew:
+            _list(content)
+        _exchange(content, folder, earlier, aside)
+        if anew:
+            _prune(folder, earlier)
     finally:
         draft.remove()
+
+
+@contextmanager
+def reserved(folder: Path, what: str) -> Iterator[None]:
+    """A folder, made if it is missing, in which no other process has reserved the same thing meanwhile.
+
+    Raises
+    ------
+    InputError
+        Another one has; `what` says what both want to do there.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / f".truenorth-{what}").open("wb") as lock:
+        try:
+            _lock(lock)
+        except OSError as error:  # of another kind: the file system has no locks
+            if error.errno in _TAKEN:
+                raise InputError(f"{folder}: another {what} is at work in it") from None
+        yield
 
 
 @cache
@@ -123,14 +164,58 @@ def discard(path: Path) -> None:
         grave.remove()
 
 
-def _move(content: Path, target: Path) -> None:
-    """Put a file or folder in its place; of a folder that exists, what has the same names is replaced."""
-    if content.is_dir() and target.is_dir():
-        for entry in sorted(content.iterdir()):
-            _move(entry, target / entry.name)
-    else:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        content.replace(target)
+def _exchange(content: Path, folder: Path, earlier: list[Path], aside: Path) -> None:
+    """Put content in its place and what is in its way aside, with earlier files; at an exception nothing."""
+    moves: list[tuple[Path, Path]] = []
+
+    def move(source: Path, target: Path) -> None:
+        moves.append((source, target))  # first: an interruption may come between
+        source.replace(target)
+
+    def put(source: Path, target: Path) -> None:
+        if source.is_dir() and target.is_dir():
+            for entry in sorted(source.iterdir()):
+                put(entry, target / entry.name)
+            return
+        if os.path.lexists(target) and not target.is_dir():
+            move(target, aside / str(len(moves)))
+        move(source, target)
+
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        for path in earlier:
+            move(path, aside / str(len(moves)))
+        put(content, folder)
+    except BaseException:
+        for source, target in reversed(moves):
+            if not os.path.lexists(source):
+                target.replace(source)
+        raise
+
+
+def _list(content: Path) -> None:
+    """Write into a draft which files it has."""
+    names = sorted(path.relative_to(content).as_posix() for path in content.rglob("*") if path.is_file())
+    (content / CONTENTS).write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
+
+
+def _listed(folder: Path) -> list[Path]:
+    """Files that the list of a folder names, as far as they are there and in it."""
+    try:
+        names = (folder / CONTENTS).read_text(encoding="utf-8").splitlines()
+        root = folder.resolve()
+        paths = [folder / name for name in names]
+        return [path for path in paths if path.is_file() and root in path.resolve().parents]
+    except (OSError, ValueError):  # there is none, or one that nobody here wrote
+        return []
+
+
+def _prune(folder: Path, earlier: list[Path]) -> None:
+    """Remove the folders that are empty without earlier files."""
+    for path in earlier:
+        for parent in path.relative_to(folder).parents[:-1]:
+            with suppress(OSError):  # it is not empty, or gone
+                (folder / parent).rmdir()
 
 
 def _sweep(parent: Path, prefix: str) -> None:
@@ -159,10 +244,15 @@ def _is_left(folder: Path) -> bool:
 def _try_lock(lock: IO[bytes]) -> bool:
     """Lock a file until it is closed; whether that was possible."""
     try:
-        if sys.platform == "win32":
-            msvcrt.locking(lock.fileno(), msvcrt.LK_NBLCK, 1)
-        else:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        _lock(lock)
     except OSError:
         return False
     return True
+
+
+def _lock(lock: IO[bytes]) -> None:
+    """Lock a file until it is closed, or raise."""
+    if sys.platform == "win32":
+        msvcrt.locking(lock.fileno(), msvcrt.LK_NBLCK, 1)
+    else:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

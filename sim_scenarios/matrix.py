@@ -11,15 +11,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import xarray as xr
 
 from sim_scenarios import recording
 from sim_scenarios.cosimulation import Progress, part_of
+from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import Verdict, judge
-from sim_scenarios.scenario import load_scenario
+from sim_scenarios.scenario import Scenario, load_scenario
 from sim_scenarios.simulation import run_filters
 
 NOMINAL: Final = "nominal EKF"
@@ -97,18 +98,32 @@ def matrix(
     ------
     xarray.Dataset
         Of each scenario, as of `sim_scenarios.compare`.
+
+    Raises
+    ------
+    InputError
+        A scenario cannot be run, or two have the same name; nothing has been run then.
     """
     fmus = Fmus()
     chosen = {NOMINAL: _NOMINAL_SETTINGS}
     if axes:
         chosen |= combinations(axes)
-    for done, scenario in enumerate(scenarios):
-        loaded = load_scenario(scenario, fmus, seed=seed, settings=settings, compare=chosen)
-        if not axes:
-            own = load_scenario(scenario, fmus, seed=seed, settings=settings)
-            filters = {"compare": {**loaded.compare, **own.compare}, "rivals": own.rivals}
-            loaded = loaded.model_copy(update=filters)
-        yield run_filters(loaded, fmus, loaded.filters(), progress=part_of(progress, done, len(scenarios)))
+
+    def loaded(scenario: str | Path) -> Scenario:
+        how: dict[str, Any] = {"seed": seed, "settings": settings, "running": None}
+        with_nominal = load_scenario(scenario, fmus, compare=chosen, **how)
+        if axes:
+            return with_nominal
+        own = load_scenario(scenario, fmus, **how)
+        filters = {"compare": {**with_nominal.compare, **own.compare}, "rivals": own.rivals}
+        return with_nominal.model_copy(update=filters)
+
+    all_of_them = [loaded(scenario) for scenario in scenarios]  # what is refused is so before the first run
+    names = [one.name for one in all_of_them]
+    if twice := [str(given) for given, name in zip(scenarios, names, strict=True) if names.count(name) > 1]:
+        raise InputError(f"{', '.join(twice)}: each scenario must have a name of its own")
+    for done, one in enumerate(all_of_them):
+        yield run_filters(one, fmus, one.filters(), progress=part_of(progress, done, len(scenarios)))
 
 
 def judged(runs: xr.Dataset) -> dict[str, Verdict]:

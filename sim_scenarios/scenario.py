@@ -12,7 +12,9 @@ shipped scenario states only what differs; its table `compare` replaces the whol
 
 from __future__ import annotations
 
+import math
 from collections.abc import Container, Mapping
+from itertools import combinations
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -49,6 +51,7 @@ from sim_scenarios.fmus import (
     did_you_mean,
 )
 from sim_scenarios.names import Label, Name, Text
+from sim_scenarios.timeline import RESOLUTION
 from sim_scenarios.toml import dotted
 from sim_scenarios.units import DEGREE
 
@@ -65,6 +68,9 @@ MOST_ROWS: Final = {"communication_step": 100_000_000, "recording_period": 10_00
 
 FILTER: Final = "filter"
 """Label of the scenario's filter where it runs alone."""
+
+_OF_THE_FILE: Final = ("name", "compare", "rivals")
+"""Entries that are no settings."""
 
 Parts = Mapping[str, Fmu]
 """The FMUs that a scenario connects, by the table of their parameters: plant, filter, perhaps alignment."""
@@ -209,15 +215,25 @@ class Scenario(Table):
                     f"duration = {self.duration:g} s: must be at most {most} times the {name} of {step:g} s"
                 )
         if not 0 <= self.evaluation.start < self.evaluation.stop:
-            raise InputError("evaluation.start must be at least 0 and before evaluation.stop")
+            raise InputError(
+                f"evaluation.start = {self.evaluation.start:g} s: must be at least 0 and before "
+                f"evaluation.stop ({self.evaluation.stop:g} s)"
+            )
         if self.evaluation.start >= self.duration:
             raise InputError(
                 f"evaluation.start = {self.evaluation.start:g}: must be below duration ({self.duration:g} s)"
             )
+        stop = min(self.evaluation.stop, self.duration)
+        period = self.recording_period
+        if math.ceil((self.evaluation.start - RESOLUTION) / period) * period > stop + RESOLUTION:
+            raise InputError(
+                f"evaluation.start = {self.evaluation.start:g} s: nothing is recorded from there to "
+                f"{stop:g} s with a recording_period of {period:g} s"
+            )
         for name in ("heading_limit", "horizontal_limit"):
             limit = getattr(self.evaluation, name)
             if limit is not None and limit <= 0:
-                raise InputError(f"evaluation.{name} must be greater than 0")
+                raise InputError(f"evaluation.{name} = {limit:g}: must be greater than 0")
         return self
 
     @model_validator(mode="after")
@@ -278,6 +294,7 @@ def load_scenario(
     seed: int | None = None,
     settings: Mapping[str, object] | None = None,
     compare: Mapping[str, Mapping[str, object]] | None = None,
+    running: Container[str] | None = (),
 ) -> Scenario:
     """Scenario of a shipped name or a path, with settings that override the file.
 
@@ -294,6 +311,9 @@ def load_scenario(
         where several FMUs have it, or an entry of the scenario (`duration`, `initial_error.misalignment`).
     compare : mapping, optional
         Filters to compare in place of the scenario's: parameters by label.
+    running : container of str, optional
+        Labels of the filters that are compared, None for all of them: no setting may overrule what one of
+        these says of itself, for its label would not be true.
 
     Returns
     -------
@@ -321,6 +341,9 @@ def load_scenario(
     if compare is not None:
         table["compare"] = compare
     changed = _check(_overridden(table, parts, overriding), parts, fmus, "the settings")
+    if running is None or running:
+        says = unchanged if compare is None else _check(table, parts, fmus, "the filters")
+        _refuse_overruled(says, changed, running, parts["filter"])
     changed = _bound_of_what_is_drawn(changed, overriding)
     if not (unchanged.notes and settings):
         return changed
@@ -328,6 +351,29 @@ def load_scenario(
     return changed.model_copy(
         update={"notes": f"Of the scenario as it is written, before {names} changed: {changed.notes.strip()}"}
     )
+
+
+def _refuse_overruled(stated: Scenario, changed: Scenario, running: Container[str] | None, fmu: Fmu) -> None:
+    """Refuse settings that make a filter another than its entry says, or two filters one."""
+    labels = [label for label in stated.compare if running is None or label in running]
+    for label in labels:
+        for name, value in stated.compare[label].items():
+            if changed.compare[label][name] != value:
+                raise InputError(
+                    f"the setting {name}: {label} is what it is by its own {name} = "
+                    f"{fmu.variables[name].display(value)}; leave it out (--filter of a campaign, or a "
+                    "comparison of your own), or run one filter alone"
+                )
+
+    def are_one(scenario: Scenario, labels: tuple[str, str]) -> bool:
+        one, other = ({**scenario.filter, **scenario.compare[label]} for label in labels)
+        return all(
+            one.get(name, fmu.start(name)) == other.get(name, fmu.start(name)) for name in {*one, *other}
+        )
+
+    for pair in combinations(labels, 2):
+        if are_one(changed, pair) and not are_one(stated, pair):
+            raise InputError(f"the settings make {' and '.join(pair)} the same filter; run one of them alone")
 
 
 def _bound_of_what_is_drawn(scenario: Scenario, settings: Mapping[str, object]) -> Scenario:
@@ -434,9 +480,12 @@ def setting_owner(name: str, parts: Parts) -> tuple[str, str]:
         return prefix, rest
     if prefix == "alignment":
         raise InputError(f"the setting {name}: the scenario has no table alignment")
-    if prefix in Scenario.model_fields and prefix not in ("name", "compare", "rivals"):
+    if prefix in _OF_THE_FILE:
+        raise InputError(f"the setting {name}: {prefix} is no setting; write a scenario file with extends")
+    if prefix in Scenario.model_fields:
         return "scenario", name
-    known = [*(p for fmu in parts.values() for p in fmu.parameter_names()), *Scenario.model_fields]
+    entries = [entry for entry in Scenario.model_fields if entry not in _OF_THE_FILE]
+    known = [*(p for fmu in parts.values() for p in fmu.parameter_names()), *entries]
     raise InputError(f"the setting {name}: no FMU has such a parameter{did_you_mean(name, known)}")
 
 

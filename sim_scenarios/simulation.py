@@ -145,7 +145,7 @@ def compare(
     Parameters as for `run`. Select one filter of the result with `.sel(filter="UKF")`.
     """
     fmus = fmus or Fmus()
-    loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
+    loaded = load_scenario(scenario, fmus, seed=seed, settings=set, running=None)
     if not loaded.filters():
         raise InputError(f"{scenario}: compare: names no filter")
     return run_filters(loaded, fmus, loaded.filters(), Order.gauss_seidel, progress)

@@ -25,7 +25,9 @@ from sim_scenarios.campaigns import execution, store
 from sim_scenarios.campaigns.execution import Effort, Report
 from sim_scenarios.campaigns.plan import Case, Plan, cases, fingerprint, load_plan
 from sim_scenarios.campaigns.runs import Bench
+from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.folders import reserved
 from sim_scenarios.stepping import Master
 
 __all__ = ["Campaign", "Master", "campaign", "load_plan"]
@@ -58,18 +60,29 @@ class Campaign:
         workers: int | None = None,
         scheduler: str | None = None,
         insecure: bool = False,
+        overwrite: bool = False,
         report: Report = lambda _: None,
     ) -> Effort:
-        """Run all that is missing; workers are started, or asked, only if something is."""
+        """Run all that is missing; workers are started, or asked, only if something is.
+
+        With `overwrite`, results of another campaign in the folder give way, as late as this one's can begin;
+        its own results are kept and gone on with. The folder is this call's alone meanwhile.
+        """
+        with reserved(self.folder, "campaign"):
+            return self._run(workers, scheduler, insecure, overwrite, report)
+
+    def _run(
+        self, workers: int | None, scheduler: str | None, insecure: bool, overwrite: bool, report: Report
+    ) -> Effort:
         identity = fingerprint(self.plan, self.cases, self.versions)
         effort = Effort(0, 0, 0.0, 0.0)
-        there = store.is_there(self.folder, identity)
-        damaged = store.discard_damaged(self.path) if there else []
+        there, damaged = self._found(identity, overwrite)
         if not there or any(store.unfinished(self.path)):
             try:
                 with execution.workers(workers, scheduler, insecure) as working:
                     if not there:
                         bounds = execution.bounds(working, self.cases, self.fmus)
+                        store.clear(self.folder)
                         store.create(self.folder, self.plan, self.cases, identity, bounds, self.fmus.plant)
                     effort = execution.execute(
                         working, self.path, self.plan, self.cases, self.master, dict(self.versions), report
@@ -79,6 +92,16 @@ class Campaign:
                     store.sweep(self.path)
         store.sweep(self.path)
         return replace(effort, damaged=tuple(damaged))
+
+    def _found(self, identity: str, overwrite: bool) -> tuple[bool, list[str]]:
+        """Whether results of this campaign are there to go on with, and their chunks that were damaged."""
+        try:
+            there = store.is_there(self.folder, identity)
+            return there, store.discard_damaged(self.path) if there else []
+        except InputError:
+            if overwrite:
+                return False, []
+            raise
 
     @property
     def path(self) -> Path:
@@ -94,6 +117,7 @@ def campaign(
     scheduler: str | None = None,
     insecure: bool = False,
     master: Master | str = Master.auto,
+    overwrite: bool = False,
     report: Report = lambda _: None,
     fmus: Fmus | None = None,
     **given: Any,
@@ -114,6 +138,8 @@ def campaign(
         Whether a scheduler of another machine may do without TLS.
     master : Master or str
         Who steps plant and filters, as enumeration or its value; the results are the same.
+    overwrite : bool
+        Whether results of another campaign in the folder give way.
     report : callable
         Told of the progress after every batch.
     fmus : Fmus, optional
@@ -127,5 +153,5 @@ def campaign(
         See `store`; its arrays are read from disk as they are needed.
     """
     made = Campaign.of(load_plan(name, **given), Path(folder), Master(master), fmus)
-    made.run(workers=workers, scheduler=scheduler, insecure=insecure, report=report)
+    made.run(workers=workers, scheduler=scheduler, insecure=insecure, overwrite=overwrite, report=report)
     return store.open_results(folder)

@@ -18,6 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from plotly.offline import get_plotlyjs
 
+from sim_scenarios import markdown
 from sim_scenarios.campaigns import pictures, store, table
 from sim_scenarios.campaigns.quantities import ERRORS
 from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
@@ -36,10 +37,10 @@ MOST_NUMBERS: Final = 2_000_000
 def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[str, str]:
     """Write page, pictures and tables into a folder; their paths."""
     names = file_names(case.label for case in cases)
-    with filled(folder) as draft:
+    with filled(folder, anew=True) as draft:
         for case in cases:
             pictures.draw(case, draft / names[case.label])
-        tables = [table.markdown(rows) for _, rows in _overviews(cases)]
+        tables = [markdown.table(rows) for _, rows in _overviews(cases)]
         (draft / "table.md").write_text("\n".join(tables), encoding="utf-8")
         (draft / "report.html").write_text(_html(data, cases), encoding="utf-8")
     there = {"report": "report.html", "table": "table.md", "data": store.NAME}
@@ -120,6 +121,7 @@ def _filter(one: Summary, thin: slice, unit: float) -> dict[str, Any]:
         },
         "nis": _course(one.nis_course, thin),
         "nees": _course(one.nees_course, thin),
+        "runs": one.runs,
         "each": _numbers(np.sort(one.each) / unit),
     }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -65,7 +66,7 @@ def _runs(case: CaseSummary, axes: Axes) -> None:
     unit, size = table.unit_of(case)
     for label, colour, dashes in style.lines(case.filters):
         each = np.sort(case.filters[label].each) / size
-        share = np.arange(1, len(each) + 1) / len(each)
+        share = np.arange(1, len(each) + 1) / case.filters[label].runs  # those that stopped have no RMSE
         axes.step(each, 100 * share, dashes, where="post", color=colour, lw=1.4)
     axes.set_title("Runs with at most this RMSE")
     axes.set_ylabel("%")
@@ -76,7 +77,22 @@ def _consistency(case: CaseSummary, courses: dict[str, Course], axes: Axes, titl
     for label, colour, dashes in style.lines(courses):
         course = courses[label]
         axes.plot(case.time, course.middle, dashes, color=colour, lw=1.0)
-    for course in list(courses.values())[:1]:
-        axes.fill_between(case.time, course.lower, course.upper, color=style.INK, alpha=0.14, lw=0)
-    axes.set_title(f"Mean {title}; band: 95 % of a consistent filter")
+    held = bands(list(courses.values()))
+    for band in held:
+        axes.fill_between(case.time, band.lower, band.upper, color=style.INK, alpha=0.14, lw=0)
+    name = "bands" if len(held) > 1 else "band"
+    axes.set_title(f"Mean {title}; {name}: 95 % of a consistent filter")
     axes.set_xlabel("time [s]")
+
+
+def bands(courses: Sequence[Course]) -> list[Course]:
+    """Courses that differ in what a consistent filter keeps to: those of more channels are narrower."""
+    found: list[Course] = []
+    for course in courses:
+        if not any(
+            np.array_equal(course.lower, other.lower, equal_nan=True)
+            and np.array_equal(course.upper, other.upper, equal_nan=True)
+            for other in found
+        ):
+            found.append(course)
+    return found

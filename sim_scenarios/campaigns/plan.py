@@ -37,13 +37,13 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Final
 
-from pydantic import Field, ValidationError
+from pydantic import BeforeValidator, Field, ValidationError
 
 from sim_scenarios import faults, toml
 from sim_scenarios.campaigns.draws import Distribution, Draw, draw
@@ -53,6 +53,7 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
 from sim_scenarios.names import Label, Name, Text
 from sim_scenarios.scenario import FILTER, Scenario, Table, load_scenario
+from sim_scenarios.toml import dotted
 
 LARGEST_SEED: Final = 2**31 - 1
 MOST_RUNS: Final = 1_000_000
@@ -61,14 +62,52 @@ MOST_CASES: Final = 10_000
 MOST_BATCHES: Final = 50
 LARGEST_BATCH: Final = 16
 
-Filters = tuple[str, ...] | dict[Label, dict[str, Any]] | None
+
+def _checked_filters(given: object) -> object:
+    """What a file says of filters, as far as it can be said in a sentence what is wrong with it."""
+    if isinstance(given, Mapping):
+        for label, entry in given.items():
+            if not isinstance(entry, Mapping):
+                raise InputError(f"{label} = {entry!r}: must be a table of parameters")
+            only = entry.get("scenarios", [])
+            if not isinstance(only, list) or not all(isinstance(name, str) for name in only):
+                raise InputError(f"{label}.scenarios = {only!r}: must be a list of names of scenarios")
+    elif given is not None and not (
+        isinstance(given, list | tuple) and all(isinstance(label, str) for label in given)
+    ):
+        raise InputError(f"{given!r}: must be a list of labels, or tables of parameters by label")
+    return given
+
+
+def _in_one_table(given: object) -> object:
+    """Settings under their dotted names, quoted in the file or not."""
+    return dict(dotted(given)) if isinstance(given, Mapping) else given
+
+
+def _distributions(given: object) -> object:
+    """Distributions under their dotted names, quoted in the file or not."""
+    return dict(_leaves(given)) if isinstance(given, Mapping) else given
+
+
+def _leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in table.items():
+        if isinstance(value, Mapping) and value and all(isinstance(one, Mapping) for one in value.values()):
+            yield from _leaves(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+Filters = Annotated[tuple[str, ...] | dict[Label, dict[str, Any]] | None, BeforeValidator(_checked_filters)]
+Settings = Annotated[dict[str, Any], BeforeValidator(_in_one_table)]
+Draws = Annotated[dict[str, Distribution], BeforeValidator(_distributions)]
+Values = Annotated[dict[str, Annotated[list[Any], Field(min_length=1)]], BeforeValidator(_in_one_table)]
 
 
 class NamedCase(Table):
     """What a named case sets and draws, beside and in place of what all cases do."""
 
-    set: dict[str, Any] = Field(default={})
-    draw: dict[str, Distribution] = Field(default={})
+    set: Settings = Field(default={})
+    draw: Draws = Field(default={})
 
 
 class Plan(Table):
@@ -84,9 +123,9 @@ class Plan(Table):
     period: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 1.0
     instants: tuple[Annotated[float, Field(ge=0, allow_inf_nan=False)], ...] = ()
     """When the NEES is looked at, beside the end of the evaluation [s]."""
-    set: dict[str, Any] = Field(default={})
-    draw: dict[str, Distribution] = Field(default={})
-    grid: dict[str, Annotated[list[Any], Field(min_length=1)]] = Field(default={})
+    set: Settings = Field(default={})
+    draw: Draws = Field(default={})
+    grid: Values = Field(default={})
     cases: dict[Label, NamedCase] = Field(default={})
 
     @property
@@ -245,15 +284,28 @@ def _case(plan: Plan, source: str, label: str, own: NamedCase, point: Mapping[st
     if clash := [name for name in drawn if name in settings]:
         raise InputError(f"draw: {clash[0]} is set and drawn{f' in {label}' if label else ''}")
     compare = _own_filters(plan, source)
-    scenario = load_scenario(source, fmus, seed=plan.seed, settings=settings, compare=compare)
+    running = plan.filters if isinstance(plan.filters, tuple) else None
+    scenario = load_scenario(
+        source, fmus, seed=plan.seed, settings=settings, compare=compare, running=running
+    )
     _check_period(plan.period, scenario)
+    draws = tuple(draw(name, given, scenario, fmus) for name, given in drawn.items())
+    _check_drawn(draws, scenario, running)
     return Case(
         " ".join([scenario.name, *([label] if label else []), *_texts(point)]),
         source,
         settings,
         scenario,
-        tuple(draw(name, given, scenario, fmus) for name, given in drawn.items()),
+        draws,
     )
+
+
+def _check_drawn(draws: Sequence[Draw], scenario: Scenario, running: Container[str] | None) -> None:
+    """Refuse to draw for all filters what makes one of them what it is."""
+    scalars = [name for one in draws if one.part == "filter" for name in one.units]
+    for label, entry in scenario.compare.items():
+        if (running is None or label in running) and (own := [name for name in scalars if name in entry]):
+            raise InputError(f"draw: {own[0]} is for all filters, and {label} has one of its own")
 
 
 def _texts(point: Mapping[str, Any]) -> list[str]:
@@ -397,5 +449,8 @@ def _sentence(where: object, error: Any) -> str:
     key = ".".join(str(part) for part in error["loc"])
     if error["type"] == "extra_forbidden":
         return f"{where}: {key}: there is no such entry{did_you_mean(key, list(Plan.model_fields))}"
-    message = error["msg"][0].lower() + error["msg"][1:]
-    return f"{where}: {key}: {message.replace('tuple', 'list')}"
+    if cause := error.get("ctx", {}).get("error"):
+        return f"{where}: {key}: {cause}"
+    message = (error["msg"][0].lower() + error["msg"][1:]).replace("tuple", "list")
+    said = f", not {error['input']!r}" if isinstance(error["input"], int | float | str) else ""
+    return f"{where}: {key}: {message}{said}"

@@ -178,7 +178,7 @@ def _figures(run: xr.Dataset, errors: Mapping[str, Array]) -> dict[str, Array]:
     )
     time, verdict, handed = run["time"].values, judge(run), hand_over.of_run(run)
     converged, sigma = reports_convergence(run), sigma_of_heading(run)
-    deviation = np.abs(errors["heading"][converged]) / sigma[converged]
+    deviation = certainty.deviations(run).get("heading", np.full(len(time), np.nan))[converged]
     figures = {
         **{f"{name}_rmse": rms(within(time, values, start, stop)) for name, values in errors.items()},
         "heading_end": errors["heading"][-1],

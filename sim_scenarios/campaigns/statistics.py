@@ -36,6 +36,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import betaincinv, chdtri, ndtri, stdtrit
 
+from sim_scenarios.campaigns.plan import Plan
 from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, that_counts
 from sim_scenarios.campaigns.store import State
 from sim_scenarios.metrics.certainty import QUANTITIES, WRONG
@@ -124,7 +125,7 @@ class Summary:
     nees : Estimate
         Mean of (heading error / sigma)^2 at the end of the window; interval of a consistent filter.
     nees_at : dict of float to Estimate
-        The same at the instants that the campaign names [s].
+        The same at the instants that the campaign names [s]; NaN where nothing is kept, or the run is over.
     each : ndarray, shape (finished,)
         RMSE of the error that counts of every finished run, in SI units.
     errors : dict of str to Course
@@ -186,16 +187,22 @@ class CaseSummary:
     bound_rms: float
 
 
-def summarise(data: xr.Dataset) -> Iterator[CaseSummary]:
-    """Every case of the results of a campaign (see `store`), one loaded at a time."""
-    plan, about = json.loads(data.attrs["plan"]), json.loads(data.attrs["cases"])
+def summarise(data: xr.Dataset, plan: Plan | None = None) -> Iterator[CaseSummary]:
+    """Every case of the results of a campaign (see `store`), one loaded at a time.
+
+    `reference` and `instants` are those of a plan, without one of that with which the campaign began.
+    """
+    stored, about = json.loads(data.attrs["plan"]), json.loads(data.attrs["cases"])
+    reference = plan.reference if plan else stored["reference"]
+    instants = plan.instants if plan else stored.get("instants", ())
     for s, case in enumerate(about.values()):
         unfaulted = case.get("unfaulted")
         yield _case_summary(
             data.isel(scenario=s),
             None if unfaulted is None else data.isel(scenario=list(about).index(unfaulted)),
             case["attributes"],
-            plan,
+            reference,
+            instants,
         )
 
 
@@ -254,9 +261,13 @@ def consistency_course(total: Array, degrees: Array) -> Course:
 
 
 def nees_course(error: Array, sigma: Array) -> Course:
-    """Mean over runs of (error / sigma)^2 over time, from the values of each run, shape (runs, times)."""
-    nees = (error / sigma) ** 2
-    known = np.isfinite(nees)
+    """Mean over runs of (error / sigma)^2 over time, from the values of each run, shape (runs, times).
+
+    It is infinite where an error is no number, and its sigma is one.
+    """
+    known = np.isfinite(sigma) & (sigma > 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        nees = np.where(np.isfinite(error), (error / sigma) ** 2, np.inf)
     return consistency_course(np.where(known, nees, 0.0), known.astype(float))
 
 
@@ -311,9 +322,12 @@ def recovery_times(
 
 
 def _case_summary(
-    case: xr.Dataset, unfaulted: xr.Dataset | None, attributes: Mapping[str, Any], plan: Mapping[str, Any]
+    case: xr.Dataset,
+    unfaulted: xr.Dataset | None,
+    attributes: Mapping[str, Any],
+    reference: str | None,
+    instants: Sequence[float],
 ) -> CaseSummary:
-    reference, instants = plan["reference"], plan.get("instants", ())
     counting = that_counts(attributes)
     figures = case.drop_dims("time").load()
     counted = figures["state"].isin([State.finished, State.failed]).any("run").values
@@ -324,9 +338,16 @@ def _case_summary(
     nees = _courses(case, labels, nees_course, "heading_error", "heading_sigma")
     recovery = _recoveries(case, unfaulted, labels, attributes["duration"])
 
-    def nees_at(label: str, instant: float) -> Estimate:
-        row = int(np.searchsorted(case["time"].values, instant + RESOLUTION)) - 1
+    time = case["time"].values
+    last = int(np.searchsorted(time, attributes["evaluation.stop"] + RESOLUTION)) - 1
+
+    def nees_of(label: str, row: int) -> Estimate:
         return Estimate(*(float(values[row]) for values in vars(nees[label]).values()))
+
+    def nees_at(label: str, instant: float) -> Estimate:
+        row = int(np.argmin(np.abs(time - instant)))
+        reached = instant <= attributes["duration"] + RESOLUTION
+        return nees_of(label, row) if reached and abs(time[row] - instant) < RESOLUTION else _unknown()
 
     filters = {}
     for label in labels:
@@ -335,7 +356,7 @@ def _case_summary(
             **_of_runs(one, counting),
             ratio=_ratio(one, other, counting),
             **_of_recoveries(recovery[label]),
-            nees=nees_at(label, attributes["evaluation.stop"]),
+            nees=nees_of(label, last),
             nees_at={instant: nees_at(label, instant) for instant in instants},
             errors={name: courses[label] for name, courses in errors.items()},
             nis_course=nis[label],
@@ -346,7 +367,7 @@ def _case_summary(
         counting=counting,
         reference=base,
         filters=filters,
-        time=case["time"].values,
+        time=time,
         bounds={name: case[f"{name}_bound"].values for name in BOUNDED},
         bound_rms=float(case[f"{counting}_bound_rms"]),
     )
@@ -362,7 +383,7 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
     settled = np.nan_to_num(one["convergence_time"].values[finished], nan=np.inf)
     times = np.sort(np.append(settled, np.full(stopped, np.inf)))
     deviation = one["claimed_deviation"].values[finished]
-    claims = int(np.isfinite(deviation).sum())
+    claims = int((~np.isnan(deviation)).sum())  # infinite where an error is no number
     sure = one["sure_time"].values[finished]
     return {
         "runs": runs,

@@ -162,13 +162,6 @@ def unit_of(case: CaseSummary) -> tuple[str, float]:
     return UNITS[ERRORS[case.counting].unit]
 
 
-def markdown(rows: Rows) -> str:
-    """A table in Markdown."""
-    heading, *body = ([cell.replace("\n", " ") for cell in cells] for cells in rows)
-    lines = [heading, ["---"] * len(heading), *body]
-    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
-
-
 def for_machines(case: CaseSummary) -> dict[str, Any]:
     """All figures of a case in SI units; an interval as a list, None where a figure does not exist."""
     return {
@@ -217,7 +210,7 @@ def span(time: float) -> str:
 
 def number(value: float, missing: str = "-") -> str:
     """A figure with three digits that count."""
-    return missing if math.isnan(value) else f"{value:.{_decimals(value)}f}"
+    return missing if math.isnan(value) else f"{value:.{_decimals(value)}f}"  # also "inf"
 
 
 def _span(estimate: Estimate) -> str:
@@ -240,7 +233,7 @@ def _consistency(estimate: Estimate) -> str:
 
 def _decimals(value: float) -> int:
     """Three digits that count."""
-    return 2 if value == 0 else max(0, min(4, 2 - math.floor(math.log10(abs(value)))))
+    return 2 if value == 0 or math.isinf(value) else max(0, min(4, 2 - math.floor(math.log10(abs(value)))))
 
 
 def json_number(value: float) -> float | None:

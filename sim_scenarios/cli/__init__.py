@@ -5,6 +5,7 @@ Each subcommand is a module of its own; `application` registers them.
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import sys
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from sys import UnraisableHookArgs
 
+BAD_INPUT: Final = 2
 INTERRUPTED: Final = 130  # 128 + SIGINT, as shells have it
 
 _ENDING: Final = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "hung up"}
@@ -45,10 +47,18 @@ def main() -> None:
     for one in ending:
         if signal.getsignal(one) in (signal.SIG_DFL, signal.default_int_handler):  # not ignored, as by nohup
             signal.signal(one, interrupt)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # what a terminal cannot show is written out
+            stream.reconfigure(errors="backslashreplace")
     try:
         code = _run()
+        sys.stdout.flush()
     except KeyboardInterrupt:
         code = INTERRUPTED
+    except OSError as error:  # nobody takes what is printed
+        print(f"truenorth: standard output: {error.strerror or error}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # so that Python does not try again at its end
+        code = BAD_INPUT
     except Exception:
         # A compiled module that is interrupted while it is imported says that it cannot be imported.
         if received is None:

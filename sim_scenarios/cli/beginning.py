@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.replay import Filter
 from sim_scenarios.recordings.start import Start
 from sim_scenarios.units import DEGREE
@@ -55,6 +56,10 @@ def begin(
     position: tuple[float, float, float] | None = None,
 ) -> Start:
     """What these options say of the start."""
+    if heading_sigma is not None and heading_sigma < 0:
+        raise InputError(f"--heading-sigma {heading_sigma:g}: must be at least 0 deg")
+    if not course_speed > 0:
+        raise InputError(f"--course-speed {course_speed:g}: must be greater than 0 m/s")
     return Start(
         None if heading is None else heading * DEGREE,
         None if heading_sigma is None else heading_sigma * DEGREE,

@@ -7,7 +7,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 from rich.console import Console
@@ -15,7 +15,7 @@ from rich.progress import BarColumn, TextColumn
 from rich.progress import Progress as Bar
 
 from sim_scenarios.cli import INTERRUPTED
-from sim_scenarios.cli.options import AsJson, Output, Settings, SettingsFile, settings
+from sim_scenarios.cli.options import AsJson, Output, Settings, SettingsFile, campaigns, settings
 from sim_scenarios.cli.results import DEFAULT, Results, storing
 from sim_scenarios.cli.terminal import (
     console,
@@ -35,12 +35,15 @@ if TYPE_CHECKING:
 MOST_FAILURES: Final = 5
 """Reasons of failed runs that are told."""
 
+OVERWRITE: Final = "--overwrite"
+
 Name = Annotated[
     str,
     typer.Argument(
         metavar="FILE|SCENARIO",
         help="Campaign file (TOML), shipped campaign, or scenario (`truenorth list`).",
         show_default=False,
+        autocompletion=campaigns,
     ),
 ]
 Runs = Annotated[
@@ -80,7 +83,7 @@ Stepping = Annotated[
     Master, typer.Option(help="Who steps plant and filters: a container FMU, or Python. Same results.")
 ]
 Overwrite = Annotated[
-    bool, typer.Option("--overwrite", help="Discard the results of another campaign in the folder.")
+    bool, typer.Option(OVERWRITE, help="Discard the results of another campaign in the folder.")
 ]
 
 
@@ -128,17 +131,17 @@ def run_campaign(
             filters=tuple(filters) if filters else None,
             cases=tuple(named) if named else None,
             set=settings(set_, set_from),
-            grid=settings(grid),
+            grid=settings(grid, option="--grid"),
         )
-        folder = Results(output or DEFAULT / f"campaign-{plan.name}").output
-        assert folder is not None
+        folder = output or DEFAULT / f"campaign-{plan.name}"
+        Results(folder)
         campaign = Campaign.of(plan, folder, master)
         with storing(folder, "; what is done is kept, and the same command resumes"):
-            if overwrite:
-                store.clear(folder)
-            effort = _run(campaign, workers, scheduler, insecure)
+            effort = _run(
+                campaign, workers=workers, scheduler=scheduler, insecure=insecure, overwrite=overwrite
+            )
             data = store.open_results(folder)
-            cases = list(summarise(data))
+            cases = list(summarise(data, plan))
             files = page.write(data, cases, folder)
     if as_json:
         figures = {case.label: table.for_machines(case) for case in cases}
@@ -148,7 +151,7 @@ def run_campaign(
     raise typer.Exit(int(any(one.stopped for case in cases for one in case.filters.values())))
 
 
-def _run(campaign: Campaign, workers: int | None, scheduler: str | None, insecure: bool) -> Effort:
+def _run(campaign: Campaign, **how: Any) -> Effort:
     """Run what is missing; an interruption says how to go on.
 
     Dask logs a traceback for every connection that is torn; the sentences of this command say it all.
@@ -156,9 +159,9 @@ def _run(campaign: Campaign, workers: int | None, scheduler: str | None, insecur
     logging.disable(logging.ERROR)
     try:
         with _progress(campaign.plan.name) as report:
-            return campaign.run(workers=workers, scheduler=scheduler, insecure=insecure, report=report)
+            return campaign.run(**how, report=report)
     except KeyboardInterrupt:
-        command = shlex.join(["truenorth", *sys.argv[1:]])
+        command = shlex.join(["truenorth", *(word for word in sys.argv[1:] if word != OVERWRITE)])
         typer.echo(
             f"truenorth: stopped; what is done is kept in {campaign.folder}, and the same command resumes:\n"
             f"  {command}",
@@ -201,7 +204,10 @@ def _progress(title: str) -> Iterator[Callable[[Progress], None]]:
     if not standard_error.is_terminal:
         yield _tenths(title)
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[said]}"))
+    title_column, said_column = (
+        TextColumn(f"{{task.{what}}}", markup=False) for what in ("description", "fields[said]")
+    )
+    columns = (title_column, BarColumn(), said_column)
     with Bar(*columns, console=standard_error, transient=True) as bar:
         task = bar.add_task(title, total=1.0, said="starting")
         yield lambda p: bar.update(task, total=p.total, completed=p.done, said=_said(p))

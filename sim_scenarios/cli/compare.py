@@ -8,7 +8,7 @@ from typing import Annotated, Final
 import typer
 
 from sim_scenarios import toml
-from sim_scenarios.cli.options import AsJson, Output, Seed, Settings, SettingsFile, axes, settings
+from sim_scenarios.cli.options import AsJson, Output, Seed, Settings, SettingsFile, axes, scenarios, settings
 from sim_scenarios.cli.results import Results
 from sim_scenarios.cli.terminal import (
     print_json,
@@ -24,7 +24,9 @@ from sim_scenarios.errors import InputError
 Scenarios = Annotated[
     list[str],
     typer.Argument(
-        help="Names of shipped scenarios (`truenorth list`), or paths of TOML files.", show_default=False
+        help="Names of shipped scenarios (`truenorth list`), or paths of TOML files.",
+        show_default=False,
+        autocompletion=scenarios,
     ),
 ]
 Axes = Annotated[
@@ -123,10 +125,8 @@ def _matrix(
     from sim_scenarios import matrix, report
     from sim_scenarios.metrics.verdict import known
 
-    results = Results(output)
-    folder = results.folder("matrix")
     verdicts, files = {}, {}
-    with progress("matrix") as advance:
+    with Results(output).folder("matrix") as folder, progress("matrix") as advance:
         for runs in matrix.matrix(scenarios, chosen, seed=seed, settings=changed, progress=advance):
             name = str(runs.attrs["scenario"])
             verdicts[name] = matrix.judged(runs)

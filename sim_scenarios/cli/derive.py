@@ -73,7 +73,7 @@ def derive_noise(
             say(f"truenorth: {doubt}")
         with progress(recording.name) as advance:
             derived = derive(loaded, begin, end, filter_fmu=filter_fmu, start=start, progress=advance)
-        with storing(folder), filled(folder) as draft:
+        with storing(folder), filled(folder, anew=True) as draft:
             (draft / "noise.toml").write_text(derived.toml(), encoding="utf-8")
             if derived.rest is not None:
                 (draft / "allan.png").write_bytes(png(allan(derived.rest)))

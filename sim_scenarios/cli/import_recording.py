@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.markup import escape
 
 from sim_scenarios.cli.terminal import print_names, print_pairs, refusing_bad_input, say
 from sim_scenarios.errors import InputError
+from sim_scenarios.folders import filled
 
 
 def import_recording(
@@ -37,9 +37,9 @@ def import_recording(
         if output.exists() and not force:
             raise InputError(f"{output}: exists; replace it with --force, or write another with -o")
         text, guesses = drafting.draft(files, output.parent)
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(text, encoding="utf-8")
-        print_names([["Guess", "Why"], *(escape(guess).split(": ", 1) for guess in guesses)])
+        with filled(output.parent) as draft:
+            (draft / output.name).write_text(text, encoding="utf-8")
+        print_names([["Guess", "Why"], *(guess.split(": ", 1) for guess in guesses)])
         try:
             doubts = checks.doubts(description.load(output))
         except InputError as error:

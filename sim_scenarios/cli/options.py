@@ -16,6 +16,17 @@ def scenarios(incomplete: str) -> list[tuple[str, str]]:
     return [(name, text) for name, text in catalogue.scenarios().items() if name.startswith(incomplete)]
 
 
+def campaigns(incomplete: str) -> list[tuple[str, str]]:
+    """Names and descriptions of campaigns and scenarios that begin so."""
+    shipped = [(name, text) for name, text in catalogue.campaigns().items() if name.startswith(incomplete)]
+    return [*shipped, *scenarios(incomplete)]
+
+
+def papers(incomplete: str) -> list[tuple[str, str]]:
+    """Names and citations of papers that begin so."""
+    return [(name, text) for name, text in catalogue.papers().items() if name.startswith(incomplete)]
+
+
 Scenario = Annotated[
     str,
     typer.Argument(
@@ -60,8 +71,10 @@ AsJson = Annotated[
 ]
 
 
-def settings(given: list[str] | None, files: list[Path] | None = None) -> dict[str, object]:
-    """Settings of files, and settings NAME=VALUE in front of them.
+def settings(
+    given: list[str] | None, files: list[Path] | None = None, option: str = "--set"
+) -> dict[str, object]:
+    """Settings of files, and settings NAME=VALUE of an option in front of them.
 
     A value is read as in a scenario file, a bare text needs no quotes; tables of a file give dotted names.
     """
@@ -71,7 +84,7 @@ def settings(given: list[str] | None, files: list[Path] | None = None) -> dict[s
     for setting in given or []:
         name, equals, text = setting.partition("=")
         if not equals or not name.strip():
-            raise InputError(f"--set {setting}: write NAME=VALUE")
+            raise InputError(f"{option} {setting}: write NAME=VALUE")
         values.pop(name.strip(), None)  # the last setting counts, also of an array and its elements
         values[name.strip()] = toml.value(text)
     return values
@@ -87,7 +100,8 @@ def axes(given: list[str] | None) -> dict[str, list[object]]:
             raise InputError(f"--axis {axis}: write NAME=VALUE,VALUE...")
         if name in found:
             raise InputError(f"--axis {axis}: {name} has been given before")
-        if any(value in values[:i] for i, value in enumerate(values)):
+        labels = {str(value) for value in values}
+        if len(labels) < len(values) or any(value in values[:i] for i, value in enumerate(values)):
             raise InputError(f"--axis {axis}: give each value once")
         found[name] = values
     return found

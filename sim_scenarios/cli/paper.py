@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
+from sim_scenarios import catalogue
 from sim_scenarios.benchmark import filter_steps
-from sim_scenarios.catalogue import papers
-from sim_scenarios.cli.options import AsJson, Output
-from sim_scenarios.cli.results import Results, storing
+from sim_scenarios.cli.options import AsJson, Output, papers
+from sim_scenarios.cli.results import DEFAULT, Results, storing
 from sim_scenarios.cli.terminal import (
     console,
     print_json,
@@ -23,13 +25,20 @@ from sim_scenarios.cli.terminal import (
     say,
 )
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.folders import reserved
 from sim_scenarios.papers import Paper, load_paper, page
 from sim_scenarios.papers.claims import Point, Swept, Timed, points
 from sim_scenarios.papers.reproduction import Plan, Plans, plans, result_of, run_plans
 from sim_scenarios.processes import processes, workers_of
 
 Name = Annotated[
-    str, typer.Argument(metavar="NAME", help=f"One of {', '.join(papers())}.", show_default=False)
+    str,
+    typer.Argument(
+        metavar="NAME",
+        help=f"One of {', '.join(catalogue.papers())}.",
+        show_default=False,
+        autocompletion=papers,
+    ),
 ]
 List = Annotated[
     bool,
@@ -43,6 +52,9 @@ FirstSeed = Annotated[int, typer.Option("--seed", min=0, help="Seed of the first
 Workers = Annotated[int | None, typer.Option(min=1, help="Processes.", show_default="one for each core")]
 
 
+KEPT: Final = "runs that are done are kept, and the same command goes on with the rest"
+
+
 def reproduce_paper(
     name: Name,
     listing: List = False,
@@ -54,8 +66,8 @@ def reproduce_paper(
 ) -> None:
     """Reproduce what a paper prints: its figures beside those measured here, and why they differ.
 
-    Finished runs are kept in the output folder: the same command with the same `--output` goes on where it
-    was stopped, and does only what is new when `-n` grows.
+    Finished runs are kept in the output folder: the same command goes on where it was stopped, and does only
+    what is new when `-n` grows.
 
     For example:
 
@@ -71,9 +83,10 @@ def reproduce_paper(
         _list(paper, as_json)
         return
     with refusing_bad_input():
-        folder = Results(output).folder(f"paper-{name}")
+        folder = output or DEFAULT / f"paper-{name}"
+        Results(folder)
         seeds = range(seed, seed + (runs or paper.runs))
-        with storing(folder, "; runs that are done are kept, and the same command goes on with the rest"):
+        with storing(folder, f"; {KEPT}"), reserved(folder, "paper"), _saying_what_is_kept(folder):
             planned = plans(paper, seeds, folder)
             _announce(name, planned, folder, workers_of(workers))
             sections: list[page.Section] = []
@@ -117,6 +130,16 @@ def reproduce_paper(
     )
     for sentence in (*planned.left_out, paper.verdict):
         console().print(sentence, highlight=False, markup=False)
+
+
+@contextmanager
+def _saying_what_is_kept(folder: Path) -> Iterator[None]:
+    """Say how to go on after an interruption."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        say(f"truenorth: stopped; in {folder} {KEPT}")
+        raise
 
 
 def _announce(name: str, planned: Plans, folder: Path, workers: int) -> None:

@@ -161,7 +161,8 @@ def replay_recording(
         if axis:
             if export_:
                 raise InputError(f"--export {export_[0].value}: is of one filter; leave out --axis")
-            ok = _side_by_side(file, combinations(axes(axis)), conditions, results.folder(name), as_json)
+            with results.folder(name) as folder:
+                ok = _side_by_side(file, combinations(axes(axis)), conditions, folder, as_json)
             raise typer.Exit(0 if ok else 1)
         with progress(file.name) as advance:
             run = replay(file, **conditions, progress=advance)
@@ -201,7 +202,7 @@ def _side_by_side(
     with progress(file.name) as advance:
         runs = side_by_side.replays(file, filters, progress=advance, **conditions)
     names = {label: f"{name}.nc" for label, name in file_names(runs).items()}
-    with storing(folder), filled(folder) as draft:
+    with storing(folder), filled(folder, anew=True) as draft:
         report.report_replays(runs, draft)
         for label, run in runs.items():
             save(run, draft / names[label])

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -43,9 +42,18 @@ class Results:
         if not os.access(existing, os.W_OK | os.X_OK):
             raise InputError(f"--output {folder}: {existing} cannot be written")
 
-    def folder(self, name: str) -> Path:
-        """Where a result of this name goes."""
-        return self.output or _unused(DEFAULT / name)
+    @contextmanager
+    def folder(self, name: str) -> Iterator[Path]:
+        """Where a result of this name goes; a new folder that nothing comes into is gone at the end."""
+        if self.output:
+            yield self.output
+            return
+        claimed = _claimed(DEFAULT / name)
+        try:
+            yield claimed
+        finally:
+            with suppress(OSError):  # it is not empty
+                claimed.rmdir()
 
     def write(
         self, data: xr.Dataset, report: Callable[[xr.Dataset, Path], Path], name: str
@@ -53,8 +61,7 @@ class Results:
         """Write report and recording; their paths."""
         from sim_scenarios import recording  # slow: xarray
 
-        folder = self.folder(name)
-        with storing(folder), filled(folder) as draft:
+        with self.folder(name) as folder, storing(folder), filled(folder, anew=True) as draft:
             page = report(data, draft)
             recording.save(data, draft / "recording.nc")
         return {"report": str(folder / page.name), "recording": str(folder / "recording.nc")}
@@ -69,9 +76,18 @@ def storing(folder: Path, kept: str = "") -> Iterator[None]:
         raise InputError(f"--output {folder}: {error.strerror or error}{kept}") from None
 
 
-def _unused(folder: Path) -> Path:
-    """The folder, or with the first number behind its name that makes it a new one."""
-    if not folder.exists():
-        return folder
-    numbered = (folder.with_name(f"{folder.name}-{number}") for number in count(2))
-    return next(candidate for candidate in numbered if not candidate.exists())
+def _claimed(folder: Path) -> Path:
+    """The folder, or with the first number behind its name that makes it a new one.
+
+    It is made, and so of several commands that ask at once none gets that of another.
+    """
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    candidate, number = folder, 1
+    while True:
+        try:
+            candidate.mkdir()
+        except FileExistsError:  # noqa: PERF203
+            number += 1
+            candidate = folder.with_name(f"{folder.name}-{number}")
+        else:
+            return candidate

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Final, NoReturn
 
 import typer
 from rich.console import Console
+from rich.measure import Measurement
 from rich.table import Table
+from rich.text import Text
 
 from sim_scenarios.errors import InputError, SimulationError
 
@@ -30,6 +32,9 @@ class Volume(Enum):
 
 FEW: Final = 5
 """Messages of the FMUs that are told unless all are asked for."""
+
+LONGEST: Final = 100_000
+"""More characters than a line of a table has."""
 
 _volume = Volume.normal
 
@@ -76,7 +81,8 @@ def progress(title: str) -> Iterator[Callable[[float], None]]:
     if not standard_error.is_terminal:
         yield _quarters(title)
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    titles = TextColumn("{task.description}", markup=False)
+    columns = (titles, BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
     with Progress(*columns, console=standard_error, transient=True) as bar:
         task = bar.add_task(title, total=1.0)
         last = time.monotonic()
@@ -139,22 +145,32 @@ def print_names(rows: list[list[str]], output: Console | None = None) -> None:
     """Names and what they stand for, the heading first. Where it is narrow the second column folds."""
     table = Table(box=None, pad_edge=False)
     for i, title in enumerate(rows[0]):
-        table.add_column(title, no_wrap=not i)
+        table.add_column(Text(title), no_wrap=not i)
     for row in rows[1:]:
-        table.add_row(*row)
+        table.add_row(*map(Text, row))
     (output or console()).print(table)
 
 
 def print_table(rows: list[list[str]], output: Console | None = None) -> None:
-    """Rows, the heading first. Where it is narrow the first column folds, never a figure."""
+    """Rows, the heading first. Where it is narrow the first column folds, never a figure.
+
+    Where it is too narrow for that too, every row is a block, a figure a line.
+    """
     table = Table(box=None, pad_edge=False)
     for i, title in enumerate(rows[0]):
-        table.add_column(
-            title.replace("[", r"\["), justify="right" if i else "left", no_wrap=bool(i), vertical="bottom"
-        )
+        table.add_column(Text(title), justify="right" if i else "left", no_wrap=bool(i), vertical="bottom")
     for row in rows[1:]:
-        table.add_row(*row)
-    (output or console()).print(table)
+        table.add_row(*map(Text, row))
+    page = output or console()
+    unbounded = page.options.update(max_width=LONGEST)
+    if Measurement.get(page, unbounded, table).minimum <= page.width:
+        page.print(table)
+        return
+    titles = [title.replace("\n", " ") for title in rows[0]]
+    for label, *cells in rows[1:]:
+        page.print(f"{titles[0]} {label}", highlight=False, markup=False)
+        for title, cell in zip(titles[1:], cells, strict=True):
+            page.print(f"  {title}: {cell}", highlight=False, markup=False)
 
 
 def print_pairs(pairs: Mapping[str, str]) -> None:

@@ -73,14 +73,20 @@ class AlignmentVerdict(Verdict):
         rmse = f"heading RMSE {_arcmin(self.heading_rmse)}"
         if self.ok:
             since = f", within the limit since {self.convergence_time:.0f} s" if self.convergence_time else ""
-            return f"Converged: {rmse}{since}"
+            says_so = self.status in (None, "converged")
+            what = "Converged" if says_so else f"Within the limit, but the filter is still {self.status}"
+            return f"{what}: {rmse}{since}"
         if not self.fit:
             return f"Not converged: the filter is {self.status} at the end; {rmse}"
         return f"Not converged: {rmse}, {self.heading_end / ARCMIN:+.2f} arcmin at the end"
 
     def headline(self) -> dict[str, str]:
         """Headline figures of a run."""
-        claimed = "never" if self.claimed_time is None else f"since {self.claimed_time:.0f} s"
+        claimed = "never"
+        if self.claimed_time is not None:
+            claimed = f"since {self.claimed_time:.0f} s"
+        elif self.certainty.sure > 0:
+            claimed = f"not at the end, for {self.certainty.sure:.1f} s before"
         sigma = "none" if math.isnan(self.heading_sigma) else _arcmin(self.heading_sigma)
         return {
             "Heading RMSE of this run": _arcmin(self.heading_rmse),
@@ -114,6 +120,7 @@ class AlignmentVerdict(Verdict):
             "bound_arcmin": None if self.bound is None else self.bound / ARCMIN,
             "convergence_time_s": self.convergence_time,
             "claimed_time_s": self.claimed_time,
+            "reports_convergence": self.claimed_time is not None,
         }
 
 

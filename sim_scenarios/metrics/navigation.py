@@ -70,6 +70,11 @@ class NavigationVerdict(Verdict):
     hand_over: HandOver | None = None
 
     @property
+    def within_limit(self) -> bool:
+        """Whether the horizontal RMSE is, whatever the filter says of itself."""
+        return self.horizontal <= self.limit
+
+    @property
     def rmse(self) -> Rmse:
         """That of the horizontal position."""
         return Rmse("horizontal [m]", self.horizontal)
@@ -110,20 +115,22 @@ class NavigationVerdict(Verdict):
 
     def row(self) -> dict[str, str]:
         """Figures of a line in a comparison."""
+        doubt = "" if self.fit else f", {self.status}"
         return {
             "horiz.\n[m]": cell(self.horizontal, 2),
             "vert.\n[m]": cell(self.vertical, 2),
             "veloc.\n[m/s]": cell(self.velocity, 4),
             "tilt\n[']": cell(self.tilt / ARCMIN, 3),
             "head.\n[']": cell(self.yaw / ARCMIN, 3),
-            "within\nlimit": "yes" if self.ok else "no",
+            "within\nlimit": ("yes" if self.within_limit else "no") + doubt,
             **self._fix_cells(),
         }
 
     def figures(self) -> dict[str, Any]:
         """Figures for machines."""
         return {
-            "within_limit": self.ok,
+            "within_limit": self.within_limit,
+            "navigated": self.ok,
             "horizontal_rmse_m": known(self.horizontal),
             "horizontal_limit_m": self.limit,
             "horizontal_sigma_m": self.horizontal_sigma,

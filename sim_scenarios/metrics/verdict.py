@@ -82,17 +82,18 @@ class Verdict(ABC):
 
     def to_json(self) -> dict[str, Any]:
         """All figures for machines; None where one does not exist."""
-        known = self.nis.count > 0
-        return {
+        tells = self.nis.count > 0
+        figures = {
             **self.figures(),
             "status": self.status,
-            "nis_per_channel": self.nis.mean if known else None,
-            "nis_interval": [self.nis.lower, self.nis.upper] if known else None,
-            "nis_consistent": self.nis.consistent if known else None,
+            "nis_per_channel": self.nis.mean,
+            "nis_interval": [self.nis.lower, self.nis.upper] if tells else None,
+            "nis_consistent": self.nis.consistent if tells else None,
             "used_fixes": self.used_fixes,
             "rejected_fixes": self.rejected_fixes,
             **self.certainty.figures(),
         }
+        return {name: known(value) if isinstance(value, float) else value for name, value in figures.items()}
 
     def __repr__(self) -> str:
         """The sentence, and a headline figure a line: people read no radians."""
@@ -118,12 +119,12 @@ def is_fit(status: str | None) -> bool:
 
 def known(value: float) -> float | None:
     """A figure for machines: None where it does not exist."""
-    return None if math.isnan(value) else value
+    return value if math.isfinite(value) else None
 
 
 def cell(value: float, digits: int) -> str:
     """A figure in a table."""
-    return "-" if math.isnan(value) else f"{value:.{digits}f}"
+    return "-" if known(value) is None else f"{value:.{digits}f}"
 
 
 def window(run: xr.Dataset) -> Window:

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sim_scenarios import markdown
 from sim_scenarios.ensemble import Ensemble
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import filled
@@ -141,7 +142,7 @@ def write(
         left_out=left_out,
         seeds=seeds,
     )
-    with filled(folder) as draft:
+    with filled(folder, anew=True) as draft:
         for one in pictures:
             (draft / one.file).write_bytes(one.content)
         for section in sections:
@@ -160,13 +161,8 @@ def _tables(paper: Paper, sections: Sequence[Section], left_out: Sequence[str], 
         *left_out,
     ]
     for table in (table for section in sections for table in section.tables):
-        lines += ["", table.title, "", *_markdown(table.cells())]
+        lines += ["", table.title, "", markdown.table(table.cells()).rstrip("\n")]
     return "\n".join(lines) + "\n"
-
-
-def _markdown(cells: Sequence[Sequence[str]]) -> list[str]:
-    heading, *rows = cells
-    return [f"| {' | '.join(row)} |" for row in (heading, ["---"] * len(heading), *rows)]
 
 
 def _slug(title: str) -> str:

@@ -10,7 +10,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim_scenarios.metrics.statistics import chi_square_interval, is_measured, measured_channels
-from sim_scenarios.plots.style import BAND, BLUE, COLOURS, DASHES, NAVIGATION_AXES, ORANGE, figure, limit
+from sim_scenarios.plots.style import (
+    BAND,
+    BLUE,
+    COLOURS,
+    DASHES,
+    NAVIGATION_AXES,
+    ORANGE,
+    figure,
+    largest,
+    limit,
+)
 
 USED: dict[str, Any] = {"color": BLUE, "ms": 3.5, "label": "used"}
 REJECTED: dict[str, Any] = {"color": ORANGE, "ms": 6, "mew": 1.6, "label": "rejected"}
@@ -29,7 +39,7 @@ def innovations(run: xr.Dataset) -> Figure:
             unit = units[i] if len(units) > 1 else units[0]  # one for each element, if they differ
             panel.set_ylabel(f"{_axis(i)} [{unit}]")
             settled = time >= time[0] + 0.05 * (time[-1] - time[0])
-            limit(panel, max(3.3 * sigma[settled].max(), 1.1 * np.abs(value[settled]).max()), floor=1e-6)
+            limit(panel, largest(3.3 * sigma[settled], 1.1 * value[settled]), floor=1e-6)
         axes[0].legend(loc="upper right", ncols=3)
         axes[0].set_title("Innovations of the fixes")
         axes[-1].set_xlabel("time [s]")
@@ -48,8 +58,8 @@ def standardised_innovations(run: xr.Dataset) -> Figure:
             panel.axhspan(-3, 3, label="3 sigma", **BAND)
             panel.plot(time[used], values[used], ".", color=BLUE, ms=2.5)
             panel.plot(time[~used], values[~used], "x", color=ORANGE, ms=5, mew=1.4)
-            beyond = np.nanmax(np.abs(values)) if np.isfinite(values).any() else 0.0
-            panel.set_ylim(-min(30.0, max(4.5, beyond)), min(30.0, max(4.5, beyond)))
+            reach = min(30.0, max(4.5, largest(values)))
+            panel.set_ylim(-reach, reach)
             panel.set_ylabel(f"channels {channels[0] + 1} to {channels[-1] + 1}")
         axes[0].set_title("Innovations in units of their sigma; crosses belong to rejected fixes")
         axes[0].legend(loc="upper right")
@@ -114,7 +124,7 @@ def _draw_running_mean(
     mean = np.cumsum(value) / degrees
     axes.plot(time, mean, color=BLUE, lw=1.3, label="mean NIS / channels so far")
     settled = mean[len(mean) // 20 :]
-    axes.set_ylim(0, max(3.0, 1.1 * settled.max(initial=0.0)))
+    axes.set_ylim(0, max(3.0, 1.1 * largest(settled)))
     axes.set_ylabel("mean NIS / channels")
     axes.legend(loc="upper right", ncols=2)
 

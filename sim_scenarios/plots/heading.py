@@ -8,7 +8,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim_scenarios.metrics.statistics import sigma_of_heading
-from sim_scenarios.plots.style import BAND, BLUE, GREEN, INK, ORANGE, figure, limit, lines, shade_window
+from sim_scenarios.plots.style import (
+    BAND,
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    figure,
+    largest,
+    limit,
+    lines,
+    shade_window,
+)
 from sim_scenarios.recording import ALIGNMENT, HAND_OVER
 from sim_scenarios.units import ARCMIN, DEGREE
 
@@ -29,13 +40,12 @@ def heading_error(run: xr.Dataset) -> Figure:
                 )
             _draw_three_sigma_of_bound(axes, run, unit)
             axes.plot(time, error / unit, color=BLUE, lw=1.3, label="heading error")
-        limit(whole, np.abs(error).max() / DEGREE, floor=1.0)
+        limit(whole, largest(error) / DEGREE, floor=1.0)
         whole.set_ylabel("deg")
         whole.set_title("Heading error: estimated minus true")
         whole.legend(loc="upper right", ncols=2)
         inside = time >= run.attrs["evaluation.start"]
-        claimed = 3.3 * sigma[inside].max() if claims else 0.0
-        reach = max(np.abs(error[inside]).max(), claimed, 3.3 * _last_bound(run))
+        reach = largest(error[inside], 3.3 * sigma[inside], 3.3 * _last_bound(run))
         limit(end, reach / ARCMIN, floor=1.0)
         end.set_ylabel("arcmin")
         end.set_xlabel("time [s]")
@@ -59,7 +69,7 @@ def hand_over(run: xr.Dataset) -> Figure:
                 axes.plot(time[rows], error / unit, color=colour, lw=1.3, label=label)
             if navigates.any():
                 axes.axvline(start, color=INK, ls=":", lw=1.2, label=f"hand-over at {start:.1f} s")
-        limit(whole, np.abs(run[f"{ALIGNMENT}heading_error"].values).max() / DEGREE, floor=1.0)
+        limit(whole, largest(run[f"{ALIGNMENT}heading_error"]) / DEGREE, floor=1.0)
         whole.set_ylabel("deg")
         whole.set_title("Heading error: estimated minus true, across the hand-over")
         whole.legend(loc="upper right", ncols=3)
@@ -114,7 +124,7 @@ def comparison(runs: xr.Dataset) -> Figure:
         whole.set_title("Heading error of each filter on the same signals")
         whole.legend(loc="upper right", ncols=2)
         inside = time >= runs.attrs["evaluation.start"]
-        reach = 1.1 * np.abs(runs["heading_error"].values[:, inside]).max() / ARCMIN
+        reach = 1.1 * largest(runs["heading_error"].values[:, inside]) / ARCMIN
         limit(end, reach, floor=max(1.0, 1.5 * _last_bound(runs) / ARCMIN))
         end.set_ylabel("arcmin")
         end.set_xlabel("time [s]")

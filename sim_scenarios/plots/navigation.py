@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.plots.style import BLUE, ORANGE, figure, lines, shade_window
+from sim_scenarios.plots.style import BLUE, ORANGE, figure, largest, lines, shade_window
 from sim_scenarios.units import ARCMIN
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -35,14 +35,14 @@ def navigation_error(run: xr.Dataset) -> Figure:
 def comparison(runs: xr.Dataset) -> Figure:
     """Errors of several filters on the same signals."""
     with figure(rows=5, height=10.5, sharex=True) as (drawn, axes):
-        largest = [0.0] * len(axes)
+        reaches = [0.0] * len(axes)
         for label, colour, dashes in lines(runs["filter"].values):
             for i, (title, error, _) in enumerate(_magnitudes(runs.sel(filter=label))):
                 axes[i].plot(runs["time"], error, dashes, color=colour, lw=1.2, label=label)
                 axes[i].set_ylabel(title)
                 inside = runs["time"].values >= runs.attrs["evaluation.start"]
-                largest[i] = max(largest[i], float(np.nanmax(error[inside], initial=0.0)))
-        for panel, reach in zip(axes, largest, strict=True):
+                reaches[i] = max(reaches[i], largest(error[inside]))
+        for panel, reach in zip(axes, reaches, strict=True):
             shade_window(panel, runs)
             panel.set_ylim(0, 1.1 * reach or 1.0)
         axes[0].set_title("Magnitude of the navigation errors of each filter on the same signals")
@@ -72,4 +72,4 @@ def _magnitudes(run: xr.Dataset) -> Iterator[tuple[str, Array, Array | None]]:
 
 def _from_zero(panel: Any, run: xr.Dataset, error: Array) -> None:
     inside = run["time"].values >= run.attrs["evaluation.start"]
-    panel.set_ylim(0, 1.3 * float(np.nanmax(error[inside], initial=0.0)) or 1.0)
+    panel.set_ylim(0, 1.3 * largest(error[inside]) or 1.0)

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.plots.style import BAND, BLUE, BODY_AXES, INK, NAVIGATION_AXES, figure, limit
+from sim_scenarios.plots.style import BAND, BLUE, BODY_AXES, INK, NAVIGATION_AXES, figure, largest, limit
 from sim_scenarios.units import ARCMIN, DEGREE, HOUR, STANDARD_GRAVITY
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -42,7 +42,7 @@ def states(run: xr.Dataset) -> Figure:
     """A panel for each state, three abreast."""
     time, known = run["time"].values, "attitude_error" in run
     panels = list(_panels(run, known))
-    rows = -(-len(panels) // 3)
+    rows = max(1, -(-len(panels) // 3))
     with figure(rows=rows, columns=3, height=2.1 * rows + 0.4, sharex=True) as (drawn, axes):
         for panel, (title, values, sigma) in zip(axes, panels, strict=False):
             centre = np.zeros_like(values) if known else values
@@ -51,7 +51,7 @@ def states(run: xr.Dataset) -> Figure:
             panel.axhline(0, color=INK, lw=0.5, alpha=0.5)
             panel.set_title(title, fontsize=9)
             late = time >= time[0] + 0.2 * (time[-1] - time[0])
-            limit(panel, max(np.abs(values[late]).max(), 3 * sigma[late].max()), floor=1e-9)
+            limit(panel, largest(values[late], 3 * sigma[late]), floor=1e-9)
         for unused in axes[len(panels) :]:
             unused.set_axis_off()
         for lowest in axes[max(0, len(panels) - 3) : len(panels)]:
@@ -70,7 +70,7 @@ def _panels(run: xr.Dataset, known: bool) -> Iterator[tuple[str, Array, Array]]:
             continue
         sigma = run[f"{name}_sigma"].values
         for i, axis in enumerate(quantity.axes):
-            if np.ptp(sigma[:, i]) > 0:
+            if (sigma[:, i] != sigma[0, i]).any():  # also where it ceases to be a number
                 title = f"{name.replace('_', ' ')} {axis} [{quantity.unit}]"
                 yield title, values[:, i] / quantity.size, sigma[:, i] / quantity.size
 

@@ -12,9 +12,11 @@ from itertools import cycle
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 WIDTH = 10.0  # inch
 INK = "#24292f"
@@ -67,6 +69,12 @@ def figure(
         drawn = Figure(figsize=(WIDTH, height), layout="constrained")
         axes = drawn.subplots(rows, columns, sharex=sharex, squeeze=False)
         yield drawn, list(axes.flat)
+
+
+def largest(*values: ArrayLike) -> float:
+    """Largest size of finite values; 0 without one."""
+    sizes = np.abs(np.concatenate([np.ravel(np.asarray(one, dtype=float)) for one in values]))
+    return float(sizes[np.isfinite(sizes)].max(initial=0.0))
 
 
 def limit(axes: Axes, reach: float, floor: float) -> None:

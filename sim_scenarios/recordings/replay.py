@@ -145,8 +145,14 @@ def replay(
         received = fixes.selected(recording.gnss, ~within(recording.gnss.time, windows))
         fed = feed(changed(recording, gnss=received), begun.time)
     remarks = [remark for remark in (*checks.doubts(recording), fed.remark, without_coarse_stage) if remark]
+    lasts = float(fed.time[-1] - fed.time[0])
     if evaluate_after is None:
-        evaluate_after = min(SETTLING, float(fed.time[-1] - fed.time[0]) / 2)
+        evaluate_after = min(SETTLING, lasts / 2)
+    elif not 0 <= evaluate_after < lasts:
+        raise InputError(
+            f"evaluate_after = {evaluate_after:g} s: must be at least 0 and less than the {lasts:g} s that "
+            f"{recording.name} lasts from the start on"
+        )
     data, said = _run(parts, values, fed, recording.reference, fmus, progress)
     data = _with_receiver(data, recording.gnss, fed, windows)
     arm = [values["filter"].get(f"gnss.lever_arm[{i}]", 0.0) for i in (1, 2, 3)]

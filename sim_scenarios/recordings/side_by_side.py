@@ -36,7 +36,7 @@ def replays(
     recording, set, progress, fmus
         As for `replay`; `set` is for all filters.
     filters : mapping
-        Parameters of each, by label; they win over those for all.
+        Parameters of each, by label; none may be set for all as well.
     **conditions : object
         What else `replay` takes: `start`, `filter`, `outages`, `reference` ...
 
@@ -50,6 +50,9 @@ def replays(
     InputError
         When the recording lacks what is needed, or a setting is wrong; of a filter with its label.
     """
+    for label, own in filters.items():
+        if twice := [name for name in own if name in (set or {})]:
+            raise InputError(f"the setting {twice[0]}: is for all filters, and {label} has one of its own")
     fmus = fmus or Fmus()
     if not isinstance(recording, Recording):
         recording = load(Path(recording))

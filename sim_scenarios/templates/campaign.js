@@ -111,7 +111,7 @@
   function drawRuns(one, filters) {
     const traces = filters.map((filter) => {
       const each = filter.data.each;
-      return curve(filter, each, each.map((_, k) => (100 * (k + 1)) / each.length),
+      return curve(filter, each, each.map((_, k) => (100 * (k + 1)) / filter.data.runs),
                    { line: { ...curve(filter).line, shape: "hv" } });
     });
     const { title, unit } = content.quantities[one.counting];
@@ -119,7 +119,9 @@
   }
 
   function drawConsistency(one, filters, what) {
-    const traces = filters.length ? area(one.time, filters[0].data[what].lower, filters[0].data[what].upper, theme().band) : [];
+    // A consistent filter with more channels keeps to a narrower band: one for all that have the same.
+    const bands = new Map(filters.map(({ data }) => [JSON.stringify([data[what].lower, data[what].upper]), data[what]]));
+    const traces = [...bands.values()].flatMap(({ lower, upper }) => area(one.time, lower, upper, theme().band));
     for (const filter of filters) traces.push(curve(filter, one.time, filter.data[what].middle));
     plot(what, traces, { nees: "Heading NEES", nis: "NIS / channels" }[what], "time [s]", "", true);
   }

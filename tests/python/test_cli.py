@@ -14,9 +14,10 @@ from rich.console import Console
 from typer.testing import CliRunner, Result
 
 from sim_scenarios import catalogue
+from sim_scenarios.cli import terminal
 from sim_scenarios.cli.application import app
 from sim_scenarios.cli.commands import COMMANDS, command
-from sim_scenarios.cli.terminal import FEW, print_names, print_table
+from sim_scenarios.cli.terminal import FEW, print_names, print_table, progress
 from sim_scenarios.version import product_version
 
 SHORT = ["--set", "duration=60", "--set", "evaluation.start=30"]
@@ -188,6 +189,10 @@ def test_a_shell_completes_commands_options_and_scenarios(monkeypatch: pytest.Mo
     assert completed("truenorth pa", 1) == ["parameters", "paper"]
     assert "--output" in completed("truenorth run --", 2)
     assert completed("truenorth run zig", 2) == ["zigzag"]
+    assert completed("truenorth compare waves zig", 3) == ["zigzag"]
+    assert completed("truenorth campaign fau", 2) == ["faults"]
+    assert completed("truenorth campaign zig", 2) == ["zigzag"]
+    assert completed("truenorth paper zh", 2) == ["zhao", "zhou"]
 
 
 def test_version() -> None:
@@ -261,6 +266,9 @@ def test_a_scenario_of_the_folder_needs_no_toml(tmp_path: Path, monkeypatch: pyt
         (["compare", "zigzag", "--axis", "igg"], "write NAME=VALUE,VALUE"),
         (["compare", "zigzag", "--axis", "corrector=igg", "--axis", "corrector=igg"], "given before"),
         (["compare", "zigzag", "--axis", "corrector=igg,igg"], "give each value once"),
+        (["compare", "zigzag", "--axis", "corrector=1,'1'"], "give each value once"),
+        (["compare", "zigzag", "waves", "zigzag"], "zigzag, zigzag: each scenario must have a name"),
+        (["compare", "zigzag", "nowhere.toml"], "there is no scenario file nowhere.toml"),
         (["compare", "zigzag", "--axis", "corrector=standart"], "settings: compare.standart: corrector:"),
         (["compare", "zigzag", "--axis", "error_model=loose"], "'loose' is none of"),
         (["bound", "swaying_ship", "--set", "gnss.velocity_sigma=0"], "the bound needs GNSS"),
@@ -268,6 +276,17 @@ def test_a_scenario_of_the_folder_needs_no_toml(tmp_path: Path, monkeypatch: pyt
         (["replay", "absent.csv", "--heading", "10", "--zero-velocity"], "LATITUDE,LONGITUDE,HEIGHT"),
         (["run"], "SCENARIO"),
         (["run", "swaying_ship", "--sed", "3"], "--sed"),
+        (["run", "zigzag", "--set", "name=x"], "the setting name: name is no setting"),
+        (["run", "zigzag", "--set", "compare.EKF.corrector=igg"], "compare is no setting"),
+        (["run", "zigzag", "--set", "evaluation.start=700"], "evaluation.start = 700 s: must be at least 0"),
+        (["run", "zigzag", "--set", "evaluation.stop=9"], "before evaluation.stop (9 s)"),
+        (
+            ["run", "zigzag", "--set", "duration=20.05", "--set", "evaluation.start=20.02"],
+            "evaluation.start = 20.02 s: nothing is recorded from there to 20.05 s",
+        ),
+        (["run", "zigzag", "--set", "evaluation.heading_limit=0"], "evaluation.heading_limit = 0: must be"),
+        (["replay", "absent.csv", "--heading-sigma", "-5"], "--heading-sigma -5: must be at least 0 deg"),
+        (["replay", "absent.csv", "--course-speed", "-1"], "--course-speed -1: must be greater than 0 m/s"),
     ],
 )
 def test_bad_input_is_refused_in_a_sentence(arguments: list[str], words: str) -> None:
@@ -336,6 +355,39 @@ def test_figures_stay_whole_at_80_columns(capsys: pytest.CaptureFixture[str]) ->
     assert any(all(cell in line for cell in cells) for line in lines)
 
 
+@pytest.mark.parametrize("width", [40, 80, 100, 160])
+def test_a_wide_table_loses_neither_names_nor_figures(capsys: pytest.CaptureFixture[str], width: int) -> None:
+    """That of a campaign, which has a dozen columns."""
+    titles = ["heading\nRMSE [arcmin]", "95 %\ninterval", "/ EKF\n(95 %)", *(f"figure {i}" for i in range(8))]
+    cells = ["17.21", "15.30 to 19.36", "0.981 (0.942 to 1.021)", *(f"{i}.234" for i in range(8))]
+    labels = ["robust UKF [ceiling]", "EKF"]
+    print_table([["filter", *titles], *([label, *cells] for label in labels)], Console(width=width))
+    out = capsys.readouterr().out
+    assert "\u2026" not in out
+    assert max(map(len, out.splitlines())) <= width
+    assert all(out.count(cell) == len(labels) for cell in cells)
+    assert all(word in out for word in ("robust", "[ceiling]"))
+
+
+@pytest.mark.parametrize("label", ["UKF [tuned]", "UKF [/old]", "[red]UKF", r"UKF \[x]"])
+def test_labels_stand_as_they_are(capsys: pytest.CaptureFixture[str], label: str) -> None:
+    """None of it is markup, neither in tables nor in the title of a progress."""
+    for printed in (print_table, print_names):
+        printed([["Filter [1]", "RMSE"], [label, "1.23"]], Console(width=80))
+        out = capsys.readouterr().out
+        assert label in out
+        assert "Filter [1]" in out
+
+
+def test_a_progress_has_the_title_that_it_is_given(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(terminal, "Console", lambda stderr: Console(stderr=stderr, force_terminal=True))
+    with progress("imu [/1].csv") as advance:
+        advance(1.0)
+    assert "imu [/1].csv" in capsys.readouterr().err
+
+
 def test_names_are_whole_where_the_terminal_is_narrow(capsys: pytest.CaptureFixture[str]) -> None:
     rows = [["scenario", "what happens"], ["flight_accelerometer_fault", "words " * 40]]
     print_names(rows, Console(width=60))
@@ -391,3 +443,20 @@ def test_help_teaches_with_examples(command: str) -> None:
     assert f"truenorth {command}" in result.stdout
     for option in ("--output", "--seed", "--set", "--json"):
         assert option in result.stdout
+
+
+@pytest.mark.usefixtures("fmus")
+def test_scenarios_of_one_name_are_refused_before_any_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the name that a file says, too, under which its results would be written."""
+    monkeypatch.chdir(tmp_path)
+    for folder, said in (("a", ""), ("b", ""), ("c", 'name = "my"\n')):
+        Path(folder).mkdir()
+        file = Path(folder, "other.toml" if said else "my.toml")
+        file.write_text(f'extends = "waves"\n{said}', encoding="utf-8")
+    for second in ("b/my.toml", "c/other.toml"):
+        result = truenorth("compare", "a/my.toml", second)
+        assert result.exit_code == 2
+        assert f"a/my.toml, {second}: each scenario must have a name of its own" in result.stderr
+        assert "%" not in result.stderr

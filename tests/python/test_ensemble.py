@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+import xarray as xr
 
 import sim_scenarios
+from sim_scenarios import ensemble as ensembles
 from sim_scenarios.ensemble import (
     COLUMNS,
     FIGURES,
@@ -184,3 +188,27 @@ def test_gathered_keeps_the_order_of_the_runs(fmus: Fmus) -> None:
         np.testing.assert_array_equal(
             together.filters["UKF"].values[i], run["errors"].sel(filter="UKF").values
         )
+
+
+@pytest.mark.parametrize("content", [b"", b"CDF", b"something else", None])
+def test_a_kept_run_that_is_damaged_is_done_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, content: bytes | None
+) -> None:
+    """And once only; a run that is whole is not done at all."""
+    done: list[int] = []
+
+    def run(_: object, seed: int, *__: object) -> xr.Dataset:
+        done.append(seed)
+        return xr.Dataset({"errors": ("time", np.arange(1000.0))})
+
+    monkeypatch.setattr(ensembles, "_run", run)
+    monkeypatch.setattr(ensembles, "errors_of_run", lambda made: made)
+    arguments = ("waves", [7], ["UKF"], {}, tmp_path, None)
+    (first,) = ensembles._runs(*arguments)
+    whole = ensembles.run_file(tmp_path, 7).read_bytes()
+    ensembles.run_file(tmp_path, 7).write_bytes(whole[: len(whole) // 2] if content is None else content)
+    for _ in range(2):
+        (again,) = ensembles._runs(*arguments)
+        xr.testing.assert_identical(again, first)
+    assert done == [7, 7]
+    assert ensembles.run_file(tmp_path, 7).read_bytes() == whole

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -12,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from sim_scenarios import folders
-from sim_scenarios.folders import DRAFT, TEMPORARY, Owned, discard, filled
+from sim_scenarios.errors import InputError
+from sim_scenarios.folders import CONTENTS, DRAFT, TEMPORARY, Owned, discard, filled, reserved
 
 OWNER = """
     import sys, time
@@ -134,8 +136,119 @@ def test_nothing_is_filled_at_an_exception(tmp_path: Path, error: type[BaseExcep
     assert [(path, path.is_file() and path.read_text()) for path in sorted(tmp_path.rglob("*"))] == before
 
 
+def contents(folder: Path) -> dict[str, str]:
+    """Text of every file but the list, by its path."""
+    files = (path for path in folder.rglob("*") if path.is_file() and path.name != CONTENTS)
+    return {path.relative_to(folder).as_posix(): path.read_text() for path in files}
+
+
+def fill(folder: Path, text: str, *names: str) -> None:
+    with filled(folder, anew=True) as draft:
+        for name in names:
+            (draft / name).parent.mkdir(parents=True, exist_ok=True)
+            (draft / name).write_text(text)
+
+
+def test_what_a_command_wrote_goes_with_the_next_one(tmp_path: Path) -> None:
+    """But nothing else: the user's files, and what was filled in without being listed, stay."""
+    folder = tmp_path / "results"
+    fill(folder, "first", "report.html", "heading.png", "below/deep/one", "below/two")
+    (folder / "notes.txt").write_text("mine")
+    with filled(folder) as draft:
+        (draft / "runs").write_text("kept")
+    fill(folder, "second", "report.html", "below/two")
+    stay = {"notes.txt": "mine", "runs": "kept"}
+    assert contents(folder) == {"report.html": "second", "below/two": "second", **stay}
+    fill(folder, "third", "report.html")
+    assert contents(folder) == {"report.html": "third", **stay}
+    assert not (folder / "below").exists()
+
+
+@pytest.mark.parametrize("name", ["../mine", "/etc/hostname", "link/mine", "", ".", "\0", "\udcff"])
+def test_a_list_that_was_tampered_with_removes_nothing_elsewhere(tmp_path: Path, name: str) -> None:
+    folder = tmp_path / "results"
+    fill(folder, "first", "report.html")
+    (tmp_path / "mine").write_text("mine")
+    (folder / "link").symlink_to(tmp_path)
+    (folder / CONTENTS).write_text(f"{name}\n", errors="surrogateescape")
+    fill(folder, "second", "report.html")
+    assert (tmp_path / "mine").read_text() == "mine"
+    assert (folder / "report.html").read_text() == "second"
+
+
+@pytest.mark.parametrize("done", [False, True])
+@pytest.mark.parametrize("call", range(1, 8))
+def test_a_folder_is_never_half_new(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int, done: bool
+) -> None:
+    """An interruption at each file that changes its place, before it has done so and after."""
+    names = ["a", "b/c", "b/d", "e"]
+    fill(tmp_path, "old", *names)
+    (tmp_path / CONTENTS).write_text("a\nb/c\n")  # the others are in the way
+    replace, calls = Path.replace, 0
+
+    def interrupted(source: Path, target: Path) -> Path:
+        nonlocal calls
+        calls += 1
+        if calls == call and not done:
+            raise KeyboardInterrupt
+        moved = replace(source, target)
+        if calls == call:
+            raise KeyboardInterrupt
+        return moved
+
+    monkeypatch.setattr(Path, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        fill(tmp_path, "new", *names)
+    assert contents(tmp_path) == dict.fromkeys(names, "old")
+
+
+def test_a_file_in_the_place_of_a_folder_is_refused(tmp_path: Path) -> None:
+    fill(tmp_path, "old", "a", "b/c")
+    (tmp_path / "d").write_text("mine")
+    with pytest.raises(OSError, match="b"):
+        fill(tmp_path, "new", "a", "b")
+    assert contents(tmp_path) == {"a": "old", "b/c": "old", "d": "mine"}
+
+
 def test_what_is_discarded_is_gone(tmp_path: Path) -> None:
     (tmp_path / "a" / "b").mkdir(parents=True)
     discard(tmp_path / "a")
     discard(tmp_path / "a")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_is_reserved_by_one_process_for_one_thing(tmp_path: Path) -> None:
+    """Until it ends, however it does."""
+    code = """
+        import sys
+        from pathlib import Path
+        from sim_scenarios.folders import reserved
+        with reserved(Path(sys.argv[1]), "campaign"):
+            print("reserved", flush=True)
+            sys.stdin.read()
+    """
+    pipe, folder = subprocess.PIPE, tmp_path / "new"
+    command = [sys.executable, "-c", textwrap.dedent(code), str(folder)]
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True) as process:
+        assert line(process).name == "reserved"
+        with (
+            pytest.raises(InputError, match="new: another campaign is at work in it"),
+            reserved(folder, "campaign"),
+        ):
+            pass
+        with reserved(folder, "paper"):
+            pass
+        process.kill()
+    for _ in range(2):
+        with reserved(folder, "campaign"):
+            pass
+
+
+def test_a_file_system_without_locks_does_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def lock(_: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(folders, "_lock", lock)
+    with reserved(tmp_path, "campaign"):
+        pass

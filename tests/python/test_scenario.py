@@ -302,3 +302,36 @@ def test_the_scenario_of_the_documents_is_one(tmp_path: Path, fmus: Fmus) -> Non
     scenario = load_scenario(tmp_path / "mine", fmus)
     assert scenario.plant["gnss.rate"] == 5.0
     assert scenario.bound.gyro_bias_sigma == scenario.plant["imu.gyro.bias_sigma"]
+
+
+@pytest.mark.parametrize(
+    ("scenario", "settings", "labels", "words"),
+    [
+        ("swaying_ship", {"predictor": "unscented"}, ["EKF"], "predictor: EKF is what it is by its own"),
+        ("swaying_ship", {"filter.corrector": "igg"}, ["UKF"], "corrector: UKF is what it is by its own"),
+        ("swaying_ship", {"corrector": "standard"}, ["UKF", "robust UKF"], "UKF and robust UKF the same"),
+        ("gnss_outliers", {"gate.enabled": True}, ["UKF, no gate"], "gate.enabled: UKF, no gate is what"),
+    ],
+)
+def test_no_setting_makes_a_filter_another_than_its_label_says(
+    fmus: Fmus, scenario: str, settings: dict[str, object], labels: list[str], words: str
+) -> None:
+    """Of those that run: of one filter alone, anything may be set, and of all what none of them says."""
+    for running in (None, labels):
+        with pytest.raises(InputError, match=words if running else "filter"):
+            load_scenario(scenario, fmus, settings=settings, running=running)
+    load_scenario(scenario, fmus, settings=settings)
+    load_scenario(scenario, fmus, settings=settings, running=["robust UKF, ceiling"])
+    load_scenario(scenario, fmus, settings={"process.angle_random_walk": 1e-6}, running=None)
+
+
+def test_no_axis_is_overruled(fmus: Fmus) -> None:
+    compare = {"standard": {"corrector": "standard"}, "igg": {"corrector": "igg"}}
+    with pytest.raises(InputError, match="standard is what it is by its own corrector = standard"):
+        load_scenario("waves", fmus, settings={"corrector": "h_infinity"}, compare=compare, running=None)
+
+
+@pytest.mark.parametrize("name", scenarios())
+def test_no_scenario_says_the_same_filter_by_what_it_has_set(fmus: Fmus, name: str) -> None:
+    """A setting of the plant changes no filter."""
+    load_scenario(name, fmus, settings={"plant.seed": 5, "gnss.rate": 1.0}, running=None)

@@ -192,3 +192,49 @@ def test_a_fingerprint_tells_campaigns_apart(fmus: Fmus, plan_file: Path) -> Non
 @pytest.mark.parametrize(("runs", "batch"), [(1, 1), (10, 1), (100, 2), (1000, 16), (100_000, 16)])
 def test_batches_are_few_and_even(runs: int, batch: int) -> None:
     assert Plan(name="any", scenarios=("waves",), runs=runs).batch == batch
+
+
+@pytest.mark.parametrize(
+    ("table", "changed", "harmless"),
+    [
+        ("set", 'corrector = "igg"', '"gate.enabled" = true'),
+        ("grid", 'corrector = ["igg"]', '"gate.enabled" = [true, false]'),
+        ("draw", 'corrector = { choice = ["igg"] }', '"gate.enabled" = { choice = [true, false] }'),
+    ],
+)
+def test_a_campaign_makes_no_filter_another_than_its_label_says(
+    tmp_path: Path, fmus: Fmus, table: str, changed: str, harmless: str
+) -> None:
+    plan = tmp_path / "plan.toml"
+    plan.write_text(f'scenarios = ["waves"]\nfilters = ["EKF"]\n[{table}]\n{changed}\n')
+    with pytest.raises(InputError, match=r"corrector.* EKF"):
+        cases(load_plan(plan), fmus)
+    plan.write_text(f'scenarios = ["waves"]\nfilters = ["EKF"]\n[{table}]\n{harmless}\n')
+    assert cases(load_plan(plan), fmus)
+
+
+def test_names_need_no_quotes(tmp_path: Path, fmus: Fmus) -> None:
+    """As in a scenario file: a dotted key and a table within another say the same as a quoted name."""
+    plan = tmp_path / "plan.toml"
+    plain = """
+        [set]
+        gate.enabled = true
+        [grid]
+        gnss.rate = [1.0, 5.0]
+        [draw]
+        motion.speed = { uniform = [5.0, 6.0] }
+        [draw.motion.course]
+        choice = [0.0, 1.0]
+        [cases.one]
+        set = { gnss.velocity_sigma = 0.1 }
+    """
+    quoted = plain.replace("[draw.motion.course]", '[draw."motion.course"]')
+    for name in ("gate.enabled", "gnss.rate", "motion.speed", "gnss.velocity_sigma"):
+        quoted = quoted.replace(f"{name} =", f'"{name}" =')
+    plans = []
+    for content in (plain, quoted):
+        plan.write_text(f'scenarios = ["waves"]\n{content}')
+        plans.append(load_plan(plan))
+    assert plans[0] == plans[1]
+    assert set(plans[0].draw) == {"motion.speed", "motion.course"}
+    assert len(cases(plans[0], fmus)) == 2

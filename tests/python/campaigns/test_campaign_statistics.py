@@ -11,6 +11,7 @@ import xarray as xr
 from scipy import stats
 
 from sim_scenarios.campaigns import table
+from sim_scenarios.campaigns.plan import Plan
 from sim_scenarios.campaigns.quantities import BOUNDED, FIGURES, SERIES
 from sim_scenarios.campaigns.statistics import (
     consistency_course,
@@ -346,6 +347,21 @@ def test_the_nees_is_that_of_the_runs_that_have_a_sigma() -> None:
     assert course.upper[0] == pytest.approx(stats.chi2.ppf(0.975, 1))
 
 
+def test_an_error_that_is_no_number_counts_against_the_filter(results: xr.Dataset) -> None:
+    """Neither its claims nor its NEES are left out; a time that the run does not reach is."""
+    error = np.array([[0.0, 1.0, np.nan], [0.0, np.nan, np.nan]])
+    sigma = np.array([[1.0, 1.0, np.nan], [1.0, 1.0, np.nan]])
+    np.testing.assert_array_equal(nees_course(error, sigma).middle, [0.0, np.inf, np.nan])
+    assert table.number(np.inf) == "inf"
+    changed = results.copy(deep=True)
+    changed["claimed_deviation"].values[:] = [1.0, *[np.inf] * (results.sizes["run"] - 1)]
+    for case in summarise(changed):
+        for one in case.filters.values():
+            finished = one.runs - one.stopped
+            assert one.claims == finished
+            assert one.wrong_claims.value == pytest.approx((finished - 1) / finished)
+
+
 def test_filters_are_compared_on_the_seeds_that_both_finished(results: xr.Dataset) -> None:
     (case,) = summarise(results)
     assert case.reference == "a"
@@ -435,6 +451,27 @@ def test_the_nees_is_told_at_the_instants_that_the_campaign_names(results: xr.Da
     assert table.certainty(case)[0][-2:] == ["NEES at\n0 s", "NEES at\n2 s"]
     assert table.certainty(case)[1][-1] == "100 *"
     assert [table.span(time) for time in (3600, 21600, 5400)] == ["1 h", "6 h", "5400 s"]
+
+
+def test_an_instant_that_no_run_reaches_has_no_nees(results: xr.Dataset) -> None:
+    """After the end of a case that is shorter than others, after all of them, and between two rows."""
+    (about,) = json.loads(results.attrs["cases"]).values()
+    about["attributes"]["duration"] = 1.0
+    results.attrs["cases"] = json.dumps({"case": about})
+    results.attrs["plan"] = '{"reference": null, "instants": [0.5, 1.0, 2.0, 3600.0]}'
+    (case,) = summarise(results)
+    found = {instant: one.value for instant, one in case.filters["a"].nees_at.items()}
+    assert found == pytest.approx({0.5: np.nan, 1.0: 4.0, 2.0: np.nan, 3600.0: np.nan}, nan_ok=True)
+    assert table.certainty(case)[1][-1] == "-"
+
+
+def test_reference_and_instants_are_those_of_the_plan_at_hand(results: xr.Dataset) -> None:
+    """They may change from one call to the next, and are in no fingerprint."""
+    plan = Plan(name="x", scenarios=("case",), reference="b", instants=(1.0,))
+    (case,) = summarise(results, plan)
+    assert case.reference == "b"
+    assert case.filters["b"].ratio.value == 1
+    assert list(case.filters["a"].nees_at) == [1.0]
 
 
 def test_the_longer_of_filters_and_scenarios_goes_down(results: xr.Dataset) -> None:

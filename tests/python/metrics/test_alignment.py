@@ -1,9 +1,11 @@
 """The verdict on an alignment, on made-up runs."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
-from statuses import BAD, FLAGS
+from statuses import BAD, FLAGS, ITEMS
 
 from sim_scenarios.metrics import judge
 from sim_scenarios.metrics.alignment import AlignmentVerdict
@@ -76,7 +78,44 @@ def test_a_run_without_a_fix_or_a_bound_has_a_verdict() -> None:
     assert verdict.headline()["Mean NIS / channels"] == "no fix was used"
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_filter_that_puts_out_no_number_has_a_verdict(value: float) -> None:
+    """In JSON as None, which every reader takes."""
+    run = recorded(np.where(TIME < 400, 0.0, value))
+    run["heading_sigma"][400:] = value
+    run["nis"][400:] = value
+    verdict = judge(run)
+    assert not verdict.ok
+    figures = json.loads(json.dumps(verdict.to_json(), allow_nan=False))
+    assert figures["heading_rmse_arcmin"] is figures["nis_per_channel"] is None
+    assert figures["heading_sigma_arcmin"] is figures["heading_end_arcmin"] is None
+    assert figures["bound_arcmin"] == pytest.approx(5)
+
+
 def test_it_reads_in_arcminutes() -> None:
     text = str(judge(recorded(np.full(601, 20 * ARCMIN))))
     assert text.startswith("Converged: heading RMSE 20.00 arcmin")
     assert "Cramer-Rao bound: 5.00 arcmin (RMS over many runs; one run may lie below)" in text
+
+
+@pytest.mark.parametrize(
+    ("reports", "words"),
+    [
+        (TIME >= 100, "since 100 s"),
+        ((TIME >= 100) & (TIME < 122), "not at the end, for 22.0 s before"),
+        (TIME < 0, "never"),
+    ],
+)
+def test_it_says_for_how_long_the_filter_reported_convergence(reports: np.ndarray, words: str) -> None:
+    verdict = judge(recorded(np.zeros(601)).assign(converged=("time", reports)))
+    assert verdict.headline()["Filter reports convergence"] == words
+    assert verdict.to_json()["reports_convergence"] is bool(reports[-1])
+
+
+def test_it_says_converged_only_of_a_filter_that_does() -> None:
+    aligning = judge(recorded(np.zeros(601), status=2))
+    assert ITEMS["aligning"] == 2
+    assert aligning.ok
+    assert aligning.sentence().startswith("Within the limit, but the filter is still aligning: heading RMSE")
+    for run in (recorded(np.zeros(601)), recorded(np.zeros(601)).drop_vars("status")):
+        assert judge(run).sentence().startswith("Converged: heading RMSE")

@@ -173,6 +173,7 @@ def test_a_filter_worse_than_a_fix_has_not_navigated() -> None:
     assert judge(run).ok
     lost = run.assign(position_error=10 * run["position_error"])
     assert not judge(lost).ok
+    assert (judge(lost).to_json()["within_limit"], judge(run).to_json()["navigated"]) == (False, True)
     assert "beyond the limit of 10.00 m" in judge(lost).sentence()
 
 
@@ -181,6 +182,8 @@ def test_a_filter_that_cannot_be_relied_on_has_not_navigated(status: int, word: 
     verdict = judge(consistent(status=status))
     assert not verdict.ok
     assert f"the filter is {word} at the end" in verdict.sentence()
+    assert (verdict.to_json()["within_limit"], verdict.to_json()["navigated"]) == (True, False)
+    assert verdict.row()["within\nlimit"] == f"yes, {word}"
 
 
 def test_what_the_filter_does_not_put_out_is_no_figure() -> None:
@@ -196,6 +199,22 @@ def test_the_page_of_a_run(tmp_path: Path) -> None:
     assert judge(run).sentence() in text
     drawn = {path.stem for path in tmp_path.glob("*.png")}
     assert drawn == {"navigation", "states", "innovations", "nis", "corrections"}
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("kind", ["NavigationFilter", "mine.fmu"])
+def test_a_filter_that_puts_out_no_number_has_a_page(tmp_path: Path, value: float, kind: str) -> None:
+    """From some time on, in every quantity; as one that navigates, and as one of somebody else's."""
+    run = consistent()
+    for name in (name for name in run.data_vars if run[name].dtype == float):
+        run[name].values[500:] = value
+    run["innovation"].attrs["units"] = "m"
+    run.attrs["filter_fmu"] = kind
+    page = report_run(run, tmp_path / "run").read_text(encoding="utf-8")
+    assert judge(run).sentence() in page
+    filters = xr.DataArray(["one", "other"], dims="filter", name="filter")
+    runs = xr.concat([run, run], dim=filters, combine_attrs="override")
+    assert report_comparison(runs, tmp_path / "comparison").is_file()
 
 
 def test_pictures_of_what_is_absent_are_left_out(tmp_path: Path) -> None:

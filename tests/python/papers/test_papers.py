@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from sim_scenarios.campaigns.statistics import root_mean_square
 from sim_scenarios.catalogue import papers
+from sim_scenarios.cli import paper as command
 from sim_scenarios.cli.application import app
 from sim_scenarios.ensemble import COLUMNS, HEADING, NOISE, VELOCITY, Ensemble, Errors
 from sim_scenarios.errors import InputError
@@ -298,3 +299,22 @@ def test_times_stand_beside_what_is_said_of_them() -> None:
     experiment = load_paper("zhao").experiment[0]
     timed = Timed(experiment, {"EKF": 2e-6, "UKF": 5e-6})
     assert [row[2] for row in timed.cells()[1:]] == ["2.0 us", "5.0 us", "2.50"]
+
+
+def test_an_interrupted_paper_goes_on_in_the_same_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without --output, too; and says where the runs are."""
+    monkeypatch.chdir(tmp_path)
+    folders: list[Path] = []
+
+    def stopped(_: object, __: object, folder: Path) -> None:
+        folders.append(folder)
+        (folder / "runs").mkdir(exist_ok=True)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "plans", stopped)
+    for _ in range(2):
+        result = CliRunner().invoke(app, ["paper", "zhou"])
+        assert "in truenorth-results/paper-zhou runs that are done are kept" in result.stderr
+    assert folders == [Path("truenorth-results/paper-zhou")] * 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -327,6 +328,15 @@ def test_a_reference_of_positions_alone_judges_positions_alone(
     assert np.isnan([found.heading, found.tilt, found.velocity, found.nees]).all()
     assert "heading_error" not in run
     assert "Horizontal RMSE" in report_replay(run, tmp_path).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("after", [-1.0, 1e9, float("nan")])
+def test_a_result_is_judged_from_a_time_of_the_recording_on(
+    ship: Recording, all_fmus: Fmus, after: float
+) -> None:
+    words = re.escape(f"evaluate_after = {after:g} s: must be at least 0 and less than")
+    with pytest.raises(InputError, match=words):
+        sim_scenarios.replay(ship, Start(0.0), evaluate_after=after, fmus=all_fmus)
 
 
 def test_a_reference_counts_where_it_is(ship: Recording, all_fmus: Fmus, tmp_path: Path) -> None:

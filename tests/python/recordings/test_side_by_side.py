@@ -119,3 +119,9 @@ def test_compare_says_which_command_does_it(ship: Path) -> None:
     result = truenorth("compare", ship)
     assert result.exit_code == 2
     assert f"truenorth replay {ship} --axis" in result.output
+
+
+def test_what_is_an_axis_is_not_set_for_all() -> None:
+    filters = {"igg": {"corrector": "igg"}}
+    with pytest.raises(InputError, match="the setting corrector: is for all filters, and igg has one"):
+        replays("absent.toml", filters, set={"corrector": "standard"})
