@@ -77,7 +77,9 @@ def _overviews(cases: Sequence[CaseSummary]) -> list[tuple[str, table.Rows]]:
 
 
 def _command(case: dict[str, Any], data: xr.Dataset) -> str:
-    """Command that shows the first run of a case alone."""
+    """Command that shows the first run of a case alone; empty of filters that no scenario compares."""
+    if isinstance(json.loads(data.attrs["plan"]).get("filters"), dict):
+        return ""
     settings = [f"{name}={_text(value)}" for name, value in {**case["settings"], **case["drawn"]}.items()]
     words = [part for setting in settings for part in ("--set", setting)]
     return shlex.join(["truenorth", "compare", case["scenario"], "--seed", str(data.attrs["seed"]), *words])

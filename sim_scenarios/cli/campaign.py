@@ -108,7 +108,7 @@ def run_campaign(
 
     What is done is stored at once. The same command resumes a campaign that was stopped, and only writes
     the report of one that is complete. Run k has the seed of the first run + k; `truenorth compare` with
-    that seed shows the run alone.
+    that seed shows the run alone, where the filters are those of the scenario.
 
     For example:
 
