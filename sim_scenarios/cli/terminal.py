@@ -121,11 +121,13 @@ def print_json(content: Mapping[str, object]) -> None:
 
 def say_messages(data: xr.Dataset) -> None:
     """What the FMUs said, the beginning of it unless all is asked for."""
+    from sim_scenarios.names import printable  # slow: pydantic
+
     messages = json.loads(data.attrs["messages"])
     most = {Volume.quiet: 0, Volume.normal: FEW, Volume.verbose: len(messages)}[_volume]
     standard_error = Console(stderr=True, highlight=False, quiet=is_quiet())
     for message in messages[:most]:
-        standard_error.print(message, style="dim", markup=False, soft_wrap=True)
+        standard_error.print(printable(message), style="dim", markup=False, soft_wrap=True)
     if len(messages) > most:
         standard_error.print(f"... and {len(messages) - most} more messages, in the report", style="dim")
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+import xarray as xr
 from rich.console import Console
 from typer.testing import CliRunner, Result
 
@@ -17,7 +18,7 @@ from sim_scenarios import catalogue
 from sim_scenarios.cli import terminal
 from sim_scenarios.cli.application import app
 from sim_scenarios.cli.commands import COMMANDS, command
-from sim_scenarios.cli.terminal import FEW, print_names, print_table, progress
+from sim_scenarios.cli.terminal import FEW, print_names, print_table, progress, say_messages
 from sim_scenarios.version import product_version
 
 SHORT = ["--set", "duration=60", "--set", "evaluation.start=30"]
@@ -386,6 +387,12 @@ def test_a_progress_has_the_title_that_it_is_given(
     with progress("imu [/1].csv") as advance:
         advance(1.0)
     assert "imu [/1].csv" in capsys.readouterr().err
+
+
+def test_what_an_fmu_says_commands_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    said = "the start is far\x1b[2J, [bold] and \x9b2J"
+    say_messages(xr.Dataset(attrs={"messages": json.dumps([said])}))
+    assert capsys.readouterr().err == "the start is far\\x1b[2J, [bold] and \\x9b2J\n"
 
 
 def test_names_are_whole_where_the_terminal_is_narrow(capsys: pytest.CaptureFixture[str]) -> None:
