@@ -31,6 +31,16 @@ bool impossible(const GnssFix& fix) {
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
+// A receiver on a stand may repeat itself. One that hangs does so at a speed, its own or, if it measures
+// none, that of the vehicle; and of one that measures no place nothing is known.
+bool may_stand(const GnssFix& fix, double speed) {
+    constexpr double kStands = 1.0;  // as far as a filter knows [m/s]
+    const GnssFix::Mask measured = fix.measured();
+    const GnssFix::Mask moving = measured && components(fix) != 0.0;
+    const bool moves = measured.tail<3>().any() ? moving.tail<3>().any() : speed > kStands;
+    return !moves || !measured(0) || !measured(1);
+}
+
 }  // namespace
 
 GnssFix::Mask GnssFix::measured() const {
@@ -57,16 +67,7 @@ bool GnssInput::repeats(const GnssFix& fix) const {
     return std::equal(now.begin(), now.end(), before.begin(), same);
 }
 
-// A receiver on a stand may repeat itself. One that hangs does so at a speed, or has differed before if it
-// measures none; and of one that measures no place nothing is known.
-bool GnssInput::may_stand(const GnssFix& fix) const {
-    const bool measures_velocity = !fix.velocity.array().isNaN().all();
-    const bool moves = measures_velocity ? (fix.velocity.array().abs() > 0.0).any() : differed_;
-    const bool placed = !std::isnan(fix.position.latitude) && !std::isnan(fix.position.longitude);
-    return !moves || !placed;
-}
-
-GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment& moment) {
+GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment& moment, double speed) {
     if (sample == seen_) {
         return Verdict::stale;
     }
@@ -80,9 +81,7 @@ GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment&
     if (impossible(fix)) {
         return Verdict::impossible;
     }
-    const bool again = any_ && repeats(fix);
-    const bool frozen = again && !may_stand(fix);
-    differed_ = differed_ || (any_ && !again);
+    const bool frozen = any_ && repeats(fix) && !may_stand(fix, speed);
     last_position_ = fix.position;
     last_velocity_ = fix.velocity;
     if (frozen) {

@@ -43,7 +43,8 @@ class GnssInput {
 
     void start() { *this = GnssInput{}; }
 
-    Verdict read(int sample, const GnssFix& fix, const Moment& moment);
+    // `speed` is that of the vehicle as far as the filter knows [m/s].
+    Verdict read(int sample, const GnssFix& fix, const Moment& moment, double speed = 0.0);
 
     // When the last accepted fix was valid, by the filter's clock [s].
     [[nodiscard]] double valid_at() const { return clock_.valid_at(); }
@@ -53,16 +54,15 @@ class GnssInput {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(seen_, any_, differed_, last_position_, last_velocity_, clock_);
+        archive(seen_, any_, last_position_, last_velocity_, clock_);
     }
 
   private:
     [[nodiscard]] bool repeats(const GnssFix& fix) const;
-    [[nodiscard]] bool may_stand(const GnssFix& fix) const;
 
     int seen_ = 0;
-    bool any_ = false;               // a fix has been accepted
-    bool differed_ = false;          // and one from that before it
+    bool any_ = false;  // a fix has been accepted
+
     earth::Position last_position_;  // of the last sound one
     Eigen::Vector3d last_velocity_ = Eigen::Vector3d::Zero();
     StampClock clock_;

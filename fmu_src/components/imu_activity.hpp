@@ -25,8 +25,9 @@ class ImuActivity {
 
     // An axis that repeats its rate or its increment but for rounding (of intervals, too), for longer than
     // kRuns times its longest run so far and kShortestRun, is stuck; one that has never changed says nothing.
-    // What is usual is learned by and by: of one run at most twice as much as before, or a fault would be.
-    // Nor is one judged that seldom changes, as without noise.
+    // What is usual is learned by and by: of one run at most twice as much as before, or a fault would be;
+    // but at once where all axes stood still together, as those of a vehicle do. Nor is one judged that
+    // seldom changes, as without noise.
     static constexpr int kShortestRun = 10;
     static constexpr int kRuns = 5;
     static constexpr int kLearns = 2;
@@ -47,6 +48,7 @@ class ImuActivity {
         const Rates limit = kRounding * rates.abs();
         const Eigen::Array<bool, 6, 1> repeats =
             step.abs() <= limit || (rates * dt - last_ * last_dt_).abs() <= limit * dt;
+        const int together = *std::ranges::min_element(run_);
         for (int axis = 0; axis < 6; ++axis) {
             if (!repeats(axis) || run_[axis] < kShortestRun) {
                 restless_(axis) += share_of_step * ((repeats(axis) ? 0.0 : 1.0) - restless_(axis));
@@ -55,8 +57,8 @@ class ImuActivity {
                 run_[axis] = std::min(run_[axis] + 1, kMostRun);
                 continue;  // what stands still tells nothing of how it moves
             }
-            longest_run_[axis] = std::max(longest_run_[axis],
-                                          std::min(run_[axis], kShortestRun + kLearns * longest_run_[axis]));
+            const int learned = kShortestRun + kLearns * std::max(longest_run_[axis], together);
+            longest_run_[axis] = std::max(longest_run_[axis], std::min(run_[axis], learned));
             run_[axis] = 0;
             squared_step_(axis) += share_of_step * (step(axis) * step(axis) - squared_step_(axis));
             const double off = rates(axis) - mean_(axis);
@@ -118,6 +120,11 @@ class ImuActivity {
     void serialize(Archive& archive) {
         archive(last_, last_dt_, mean_, variance_, squared_step_, restless_, known_, samples_, run_,
                 longest_run_);
+        for (std::array<int, 6>* runs : {&run_, &longest_run_}) {
+            for (int& run : *runs) {
+                run = std::clamp(run, 0, kMostRun);  // whatever a damaged state says
+            }
+        }
     }
 
   private:

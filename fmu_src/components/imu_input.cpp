@@ -49,7 +49,7 @@ ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d&
         return reject(Finding::old);
     }
     const double force = delta_velocity.norm();
-    const Interval interval = any_ ? between(reading, force) : first(reading.dt, force);
+    const Interval interval = any_ ? between(reading, force) : first(reading, force);
     if (interval.covered <= kTimeTolerance) {
         return reject(Finding::old);
     }
@@ -148,14 +148,18 @@ bool ImuInput::follows(const Reading& reading, std::int64_t since_seen) {
     return reading.count > 0 || old_ >= kConfirmations;
 }
 
-// Of the first sample of all, whose stamp may have nothing to do with the start time: then the force tells.
-ImuInput::Interval ImuInput::first(double dt, double delta_velocity) {
+// Of the first sample of all, whose stamp may have nothing to do with the start time: then the force tells,
+// and the master's clock how long it was waited for.
+ImuInput::Interval ImuInput::first(const Reading& reading, double delta_velocity) {
+    const double dt = reading.dt;
     const bool plausible = dt > 0.0 && dt <= kLongestInterval && delta_velocity > 0.2 * kGravity * dt &&
                            delta_velocity < kLargestForce * dt;
     if (plausible || delta_velocity == 0.0) {
         return {.covered = dt};
     }
-    return {.covered = delta_velocity / kGravity, .resumes = true};
+    return {.covered = delta_velocity / kGravity,
+            .lost = reading.elapsed > kLongestInterval ? reading.elapsed : 0.0,
+            .resumes = true};
 }
 
 ImuInput::Interval ImuInput::between(const Reading& reading, double delta_velocity) const {
@@ -194,26 +198,32 @@ bool ImuInput::spans(double passed, double delta_velocity, double parts) const {
     if (finding_ == Finding::no_increment) {
         return false;  // of rates, too, the force of a longer interval would be plausible
     }
-    const double force =
-        std::max(activity_.mean().tail<3>().matrix().norm(), activity_.last().tail<3>().matrix().norm());
+    double force = activity_.mean().tail<3>().matrix().norm();
+    if (parts > kGap && gap_ == 0) {  // in a turn or a pull-up; a late stamp alone shows no more force
+        force = std::max(force, activity_.last().tail<3>().matrix().norm());
+    }
     return delta_velocity > force * std::sqrt(passed * period_);
 }
 
 // A count that has advanced by much the same a few times advances so: of raw samples by 2 and 3 in turn, if
 // two and a half make a sample. Where the stamps show a gap, it tells of that.
 void ImuInput::learn_stride(std::int64_t count, double dt) {
-    const std::int64_t off = count > new_stride_ ? count - new_stride_ : new_stride_ - count;
-    if (count <= 0 || 2 * off > std::max<std::int64_t>(new_stride_, 2) || dt > kGap * period_) {
+    const auto advanced = static_cast<double>(count);
+    const bool gap = dt > kGap * period_;
+    if (gap || count <= 0 || std::abs(advanced - new_stride_) > std::max(0.5 * new_stride_, 1.0)) {
         new_strides_ = 0;
-        new_count_ = 0;
+        new_count_ = 0.0;
     }
-    new_stride_ = count;
-    new_count_ += count;
+    new_stride_ = advanced;
+    if (gap) {
+        return;
+    }
+    new_count_ += advanced;
     new_strides_ += 1;
-    if (new_strides_ == kConfirmations) {
-        stride_ = static_cast<double>(new_count_) / kConfirmations;
+    if (new_strides_ >= kConfirmations) {
+        stride_ = new_count_ / new_strides_;
         new_strides_ = 0;
-        new_count_ = 0;
+        new_count_ = 0.0;
     }
 }
 

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -91,6 +92,7 @@ class ImuInput {
                 refused_, refused_stamp_, rejected_, missed_, disagreements_, period_, stride_, new_stride_,
                 new_count_, new_strides_, jumps_, old_, doubtful_angle_, doubtful_velocity_, stuck_for_,
                 finding_, activity_);
+        new_strides_ = std::clamp(new_strides_, 0, 2);  // whatever a damaged state says
     }
 
   private:
@@ -109,7 +111,7 @@ class ImuInput {
         Finding finding = Finding::none;
     };
 
-    [[nodiscard]] static Interval first(double dt, double delta_velocity);
+    [[nodiscard]] static Interval first(const Reading& reading, double delta_velocity);
     [[nodiscard]] Interval between(const Reading& reading, double delta_velocity) const;
     [[nodiscard]] bool spans(double passed, double delta_velocity, double parts) const;
     [[nodiscard]] bool follows(const Reading& reading, std::int64_t since_seen);
@@ -139,10 +141,10 @@ class ImuInput {
     int rejected_ = 0;
     int missed_ = 0;
     int disagreements_ = 0;
-    double period_ = 0.0;          // that a sample covered last [s]; 0: none so far
-    double stride_ = 1.0;          // by which the count advances from sample to sample, on average
-    std::int64_t new_stride_ = 1;  // by which it advanced at the last sample
-    std::int64_t new_count_ = 0;   // and at the last new_strides_ ones, all much alike
+    double period_ = 0.0;      // that a sample covered last [s]; 0: none so far
+    double stride_ = 1.0;      // by which the count advances from sample to sample, on average
+    double new_stride_ = 1.0;  // by which it advanced at the last sample
+    double new_count_ = 0.0;   // and at the last new_strides_ ones, all much alike
     int new_strides_ = 0;
     int jumps_ = 0;  // samples in a row with an axis out of line
     int old_ = 0;    // samples in a row whose time does not follow that of the last accepted one

@@ -178,7 +178,7 @@ class InertialFilter {
     double leaned_ = 0.0;        // by the filter's clock, when the ledger was told last how it may lean [s]
     earth::Position far_place_;  // of fixes that are out of reach
     double far_since_ = 0.0;     // when they began to be there, by the master's clock [s]
-    bool placed_ = false;        // a fix has told where it is
+    double placed_ = 0.0;        // when the first fix told where it is, likewise; infinite: none has [s]
     bool under_way_ = false;
     bool was_sure_ = false;  // of its attitude, since it set out or that was in doubt
     bool told_long_interval_ = false;

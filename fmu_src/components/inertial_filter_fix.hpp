@@ -40,7 +40,8 @@ GnssFix InertialFilter<Interface, Engines...>::fix_at(const Port& port) {
 template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::take_fix() {
     const Port& port = inputs.gnss;
-    const auto verdict = gnss_.read(port.sample, fix_at(port), moment(imu_.increment().dt));
+    const double speed = outputs.nav.velocity.norm();
+    const auto verdict = gnss_.read(port.sample, fix_at(port), moment(imu_.increment().dt), speed);
     const bool came = verdict != GnssInput::Verdict::stale;
     if (verdict == GnssInput::Verdict::accepted) {
         if (waiting_.full()) {
@@ -87,8 +88,8 @@ void InertialFilter<Interface, Engines...>::use(const Port& port, double valid_a
 }
 
 // Of a model that takes the place of a fix as it is: whether it can have come there from that of the last
-// one. Where the places stay the same for long, it has, somehow, and nothing is known of what happened on the
-// way.
+// one. In the first minute anywhere will do, for the first fixes may be wrong. Where the places stay the same
+// for long, it has come there somehow, and nothing is known of what happened on the way.
 template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::is_within_reach(const GnssFix& fix, const AntennaState& then) {
     constexpr double kFastest = 100.0;  // of a vehicle, beyond what is known of it [m/s]
@@ -96,8 +97,9 @@ bool InertialFilter<Interface, Engines...>::is_within_reach(const GnssFix& fix, 
     const auto from = [&fix](const earth::Position& place) {
         return (earth::ecef(fix.position) - earth::ecef(place)).norm();
     };
-    if (!placed_ || from(then.position) <= reach) {
-        placed_ = true;
+    placed_ = std::min(placed_, clock_);
+    if (clock_ - placed_ < Recovery::kCalm || from(then.position) <= reach) {
+        far_place_ = fix.position;
         far_since_ = clock_;
         return true;
     }

@@ -17,10 +17,14 @@ inline constexpr double kLongestGoodInterval = 1.0;  // [s]
 // Where a vehicle that was last seen at a velocity [m/s] may be after `gap` [s] without increments.
 inline Uncertainty travelled_unseen(double gap, const Eigen::Vector3d& velocity) {
     constexpr double kAcceleration = 1.0;  // of a vehicle, over more than a few seconds [m/s2]
-    const double speed = kAcceleration * gap;
-    const double way = gap * (velocity.norm() + speed);
+    constexpr double kFastest = 100.0;     // [m/s]
+    constexpr double kFarthest = 1e6;      // [m]
+    constexpr double kHighest = 1e3;       // [m]
+    const double speed = std::min(kAcceleration * gap, kFastest);
+    const double way = std::min(gap * (velocity.norm() + speed), kFarthest);
+    const Eigen::Vector3d place(way, way, std::min(way, kHighest));
     return {.velocity = speed * speed * Eigen::Matrix3d::Identity(),
-            .position = way * way * Eigen::Matrix3d::Identity()};
+            .position = place.cwiseAbs2().asDiagonal()};
 }
 
 // Finite, and where and as fast as a fix may be, with something to spare.
@@ -108,7 +112,7 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
         memory->start(clock_);
     }
-    placed_ = false;
+    placed_ = std::numeric_limits<double>::infinity();
     was_sure_ = false;
     under_way_ = true;
 }
@@ -252,7 +256,7 @@ template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::take_sample() {
     const auto& port = inputs.imu;
     const bool had_fixes = imu_.time() - last_fix_ <= wait_for_fix();
-    const bool had_samples = imu_.any();
+
     const auto verdict = imu_.read(port.sample, port.time, port.delta_angle, port.delta_velocity, clock_);
     if (verdict == ImuInput::Verdict::stale) {
         return false;
@@ -261,8 +265,9 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
     if (verdict == ImuInput::Verdict::rejected) {
         return true;
     }
-    // The first sample of all goes on from where the filter was told to be, whatever its stamp.
-    const bool was_blind = had_samples && verdict == ImuInput::Verdict::resumed;
+    // The first sample of all goes on from where the filter was told to be, whatever its stamp, unless it has
+    // been long in coming.
+    const bool was_blind = verdict == ImuInput::Verdict::resumed && imu_.blind_for() > 0.0;
     warn_of_long_interval();
     const bool long_gap = imu_.gap() > 0 && imu_.increment().dt > kLongestGoodInterval;
     if (verdict == ImuInput::Verdict::resumed || long_gap) {

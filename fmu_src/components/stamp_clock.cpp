@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "components/count_up.hpp"
 #include "components/time_tolerance.hpp"
@@ -20,15 +21,11 @@ constexpr double kSlow = 60.0;
 }  // namespace
 
 // Whether so many stamps in a row have been off by the same that they are right by another clock.
-bool StampClock::strays_alike(double ahead, double now) {
-    if (strays_ == 0 || std::abs(ahead - ahead_) >= kAlike) {
-        strays_ = 0;
-        ahead_ = ahead;
-        strayed_ = now;
-    }
-    strays_ = std::min(strays_ + 1, kConfirmations);
+bool StampClock::strays_alike(double ahead) {
+    strays_ = strays_ > 0 && std::abs(ahead - ahead_) < kAlike ? strays_ + 1 : 1;
+    ahead_ = ahead;
     count_up(disagreements_);
-    return strays_ == kConfirmations;
+    return strays_ >= kConfirmations;
 }
 
 StampClock::Verdict StampClock::read(double stamp, const Moment& moment) {
@@ -42,17 +39,23 @@ StampClock::Verdict StampClock::read(double stamp, const Moment& moment) {
     const bool forgotten = stamp - offset_ < moment.oldest && ahead + quickest_ < -kAlike;
     if (together) {
         offset_ += set;
-    } else if (back || future || late || forgotten) {
-        const bool alike = strays_alike(ahead, moment.now);
-        const bool other = back || future || late;
-        if (!alike || (!other && moment.now - strayed_ < kSlow)) {
+    } else if (back || future || late) {
+        if (!strays_alike(ahead)) {
             if (back) {
                 return Verdict::backwards;
             }
             return future ? Verdict::future : Verdict::late;
         }
-        offset_ += ahead + (forgotten ? quickest_ : latency_);
+        offset_ += ahead + latency_;
+    } else if (forgotten) {
+        forgotten_ = std::min(forgotten_, moment.now);
+        if (moment.now - forgotten_ < kSlow) {
+            return Verdict::late;
+        }
+        count_up(disagreements_);
+        offset_ += ahead + quickest_;
     }
+    forgotten_ = std::numeric_limits<double>::infinity();
     strays_ = 0;
     imu_offset_ = moment.offset;
     last_stamp_ = stamp;

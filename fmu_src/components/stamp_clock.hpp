@@ -38,12 +38,12 @@ class StampClock {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(last_stamp_, valid_at_, offset_, imu_offset_, latency_, quickest_, ahead_, strayed_, strays_,
-                disagreements_);
+        archive(last_stamp_, valid_at_, offset_, imu_offset_, latency_, quickest_, forgotten_, ahead_,
+                strays_, disagreements_);
     }
 
   private:
-    bool strays_alike(double ahead, double now);
+    bool strays_alike(double ahead);
 
     double last_stamp_ = std::numeric_limits<double>::lowest();  // that was accepted [s]
     double valid_at_ = 0.0;
@@ -51,9 +51,11 @@ class StampClock {
     double imu_offset_ = 0.0;  // of the IMU's clock at the last accepted stamp [s]
     double latency_ = 0.0;     // of the last accepted measurement [s]
     double quickest_ = std::numeric_limits<double>::infinity();  // latency of those that could be used [s]
-    double ahead_ = 0.0;    // how far ahead of the filter's clock the first of the refused stamps was [s]
-    double strayed_ = 0.0;  // when that was read, by the filter's clock [s]
-    int strays_ = 0;        // refused stamps in a row that agree on it
+    // Since when stamps have been from before all that is remembered, by the filter's clock; infinite: they
+    // are not [s].
+    double forgotten_ = std::numeric_limits<double>::infinity();
+    double ahead_ = 0.0;  // how far ahead of the filter's clock the last refused stamp was [s]
+    int strays_ = 0;      // refused stamps in a row that agree on it
     int disagreements_ = 0;
 };
 

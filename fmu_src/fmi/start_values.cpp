@@ -34,11 +34,11 @@ std::uint64_t checksum_of_recording(const std::filesystem::path& resources) {
     std::uint64_t checksum = checksum_of("");
     std::ifstream file(resources / recorded::file_name, std::ios::binary);
     std::string piece(1U << 16U, '\0');
-    do {
+    while (file) {
         file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
         piece.resize(static_cast<std::size_t>(file.gcount()));
         checksum = checksum_of(piece, checksum);
-    } while (file);
+    }
     return checksum;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace truenorth {
@@ -270,21 +271,45 @@ TEST(GnssInput, ASigmaWithoutBoundsIsNoMeasurement) {
     }
 }
 
+// On a vehicle that moves, as the filter says; one that is parked may have the same place for hours.
 TEST(GnssInput, FindsAReceiverThatHangsAndMeasuresNoVelocity) {
+    for (const double unmeasured : {kNan, 0.0}) {
+        GnssInput gnss;
+        GnssFix fix = fix_at(1.0);
+        fix.velocity.setConstant(unmeasured);
+        fix.sigma.tail<3>().setConstant(1e4);  // nothing is known of it, number or none
+        const auto read = [&](int sample, double speed) {
+            fix.time = 0.1 * sample;
+            return gnss.read(sample, fix, kTen, speed);
+        };
+        EXPECT_EQ(read(1, 5.0), Verdict::accepted);
+        EXPECT_EQ(read(2, 5.0), Verdict::frozen);
+        EXPECT_EQ(read(3, 0.1), Verdict::accepted);
+        EXPECT_EQ(read(4, 0.1), Verdict::accepted);
+        fix.position.height += 0.01;
+        EXPECT_EQ(read(5, 5.0), Verdict::accepted);
+        EXPECT_EQ(read(6, 5.0), Verdict::frozen);
+    }
+}
+
+// The latency of a network, 0.1 to 0.4 s.
+TEST(GnssInput, GoesOnWhenItsStampsAreForgottenAndTheLinkJitters) {
     GnssInput gnss;
-    GnssFix fix = fix_at(1.0);
-    fix.velocity.setConstant(kNan);
-    const auto read = [&](int sample) {
-        fix.time = 0.1 * sample;
-        return gnss.read(sample, fix, kTen);
+    const auto read = [&](int k, double behind) {
+        const double now = 0.2 * k;
+        GnssFix fix = fix_at(now - 0.1 - 0.3 * (0.5 + 0.5 * std::sin(7.0 * k)) - behind);
+        fix.velocity.x() += k;  // no two alike
+        return gnss.read(k, fix, {.now = now, .slack = 0.01, .oldest = now - 2.5});
     };
-    EXPECT_EQ(read(1), Verdict::accepted);
-    EXPECT_EQ(read(2), Verdict::accepted);  // on a stand, perhaps
-    fix.position.height += 0.01;
-    EXPECT_EQ(read(3), Verdict::accepted);
-    EXPECT_EQ(read(4), Verdict::frozen);
-    fix.position.height += 0.01;
-    EXPECT_EQ(read(5), Verdict::accepted);
+    for (int k = 1; k < 500; ++k) {
+        read(k, 0.0);
+    }
+    int accepted = 0;
+    for (int k = 530; k < 2000; ++k) {
+        accepted += read(k, 5.0) == Verdict::accepted ? 1 : 0;
+    }
+    EXPECT_GT(accepted, 800);
+    EXPECT_NEAR(gnss.valid_at(), 0.2 * 1999.0 - 0.3, 0.6);
 }
 
 TEST(GnssInput, WaitsForMeasurementsThatComeLaterThanBefore) {

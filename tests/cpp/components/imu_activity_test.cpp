@@ -42,22 +42,26 @@ TEST(ImuActivity, FindsAnAxisThatStandsStillWhateverTheRoundingOfTheStamps) {
     }
 }
 
-// One second of motion, then a fault, again and again: that it has stood still for long once does not make
-// it usual.
+// One second of motion, then a fault of an axis, again and again: that it has stood still for long once does
+// not make it usual.
 TEST(ImuActivity, FindsAnAxisThatStandsStillASecondTime) {
     for (const int length : {6000, 20000}) {
         ImuActivity activity;
+        int k = 0;
+        const auto add = [&](bool faulty) {
+            ++k;
+            Rates rates = Rates::Constant(0.1 * std::sin(0.7 * k));
+            rates(kAxis) = faulty ? 0.02 : rates(kAxis);
+            activity.add(rates, 0.01);
+        };
         for (int fault = 0; fault < 4; ++fault) {
-            for (int k = 1; k <= 100; ++k) {
-                activity.add(Rates::Constant(0.1 * std::sin(0.7 * k)), 0.01);
+            for (int i = 0; i < 100; ++i) {
+                add(false);
             }
             int found = 0;
-            for (int k = 1; k <= length && found == 0; ++k) {
-                activity.add(Rates::Constant(0.02), 0.01);
-                found = activity.stuck().all() ? k : 0;
-            }
-            for (int k = found; k < length; ++k) {
-                activity.add(Rates::Constant(0.02), 0.01);
+            for (int i = 1; i <= length; ++i) {
+                add(true);
+                found = found == 0 && activity.stuck()(kAxis) ? i : found;
             }
             EXPECT_GT(found, 0) << length << ", " << fault;
             EXPECT_LE(found, 12 + 60 * fault * (1 + fault)) << length << ", " << fault;
@@ -71,6 +75,22 @@ TEST(ImuActivity, WhatSeldomChangesMayStand) {
     for (int k = 1; k <= 6000; ++k) {
         activity.add(Rates::Constant(k > 500 && k <= 1500 ? 1.0 : 0.1), 0.01);
         ASSERT_FALSE(activity.stuck().any()) << k;
+    }
+}
+
+// A drive with stops, without noise: the first stop is strange, the next are not; one axis alone still is.
+TEST(ImuActivity, AVehicleMayStop) {
+    ImuActivity activity;
+    int k = 0;
+    for (int stop = 1; stop <= 5; ++stop) {
+        for (int i = 0; i < 3000; ++i) {
+            ++k;
+            activity.add(Rates::Constant(0.1 * std::sin(0.007 * k)), 0.01);
+        }
+        for (int i = 0; i < 3000; ++i) {
+            activity.add(Rates::Constant(0.01), 0.01);
+            ASSERT_TRUE(stop == 1 || !activity.stuck().any()) << stop << ", " << i;
+        }
     }
 }
 

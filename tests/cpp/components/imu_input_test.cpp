@@ -298,6 +298,31 @@ TEST_F(ImuInputTest, ALostSampleIsMissedHoweverStrongTheForceIs) {
     }
 }
 
+// A stamp that is late makes a long interval and a short one; the samples after it are as before.
+TEST_F(ImuInputTest, AStampThatIsLateLosesNothing) {
+    for (const double late : {0.0035, 0.0045}) {
+        imu.start(100.0);
+        sample = 0;
+        time = clock = 100.0;
+        std::normal_distribution<double> vibration(0.0, 4e-3);  // of the increment [m/s]
+        for (int k = 1; k <= 12000; ++k) {
+            sample = k;
+            clock = 100.0 + kPeriod * k;
+            time = clock + (k == 6000 ? late : 0.0);
+            ASSERT_EQ(noisy(Vector3d::Zero(), Vector3d::Constant(vibration(random))), Verdict::accepted);
+        }
+        EXPECT_EQ(imu.missed(), 0) << late;
+    }
+}
+
+TEST_F(ImuInputTest, OfAFirstSampleThatWasWaitedForNothingIsKnown) {
+    for (const double waited : {0.01, 5.0, 30.0}) {
+        imu.start(100.0);
+        EXPECT_EQ(read(1, 100.0 + 1.4e9, 100.0 + waited), Verdict::resumed);
+        EXPECT_EQ(imu.blind_for(), waited > ImuInput::kLongestInterval ? waited : 0.0);
+    }
+}
+
 TEST_F(ImuInputTest, TellsForHowLongNothingWasSeen) {
     run(100);
     EXPECT_EQ(imu.blind_for(), 0.0);

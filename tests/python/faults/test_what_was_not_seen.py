@@ -104,6 +104,39 @@ def nowhere(begin: float, end: float):
     return fault
 
 
+def test_a_single_fix_of_zeros_after_an_outage_is_no_place(fmus: Fmus) -> None:
+    zeros = nowhere(470.0, 470.5)
+    last: dict[str, float] = {}
+
+    def fault(time: float, wire: Wire) -> None:
+        if time <= 400.0:
+            last.update(wire.gnss())
+        elif time < 470.0:
+            wire.restore(last)
+        zeros(time, wire)
+
+    data: xr.Dataset = run("waves", fmus, fault, settings={"duration": 600.0})
+    assert not (np.abs(data["nav.latitude"].values) < 0.01).any()
+    assert int(data["used_fixes"][-1]) > 500
+
+
+@pytest.mark.parametrize("model", ["loose", "invariant"])
+def test_a_first_sample_that_was_waited_for_finds_an_attitude_in_doubt(
+    model: str, drive: Drive, fmus: Fmus
+) -> None:
+    """30 s after the start, from another epoch of stamps."""
+    first = round(30 * RATE)
+    columns = dict(drive.columns)
+    for name in ("imu.time", "gnss.time"):
+        columns[name] = columns[name] + 1.4e9
+    for name in [name for name in columns if name.startswith("imu.")]:
+        columns[name] = columns[name].copy()
+        columns[name][:first] = columns[name][0]
+    out, _, messages = fed(fmus, drive, columns, error_model=model, **handed(DEGREE, DEGREE))
+    assert out["heading_sigma"][first // EVERY + 1] > 30 * DEGREE
+    assert any("after a gap that cannot be bridged" in text for text in messages)
+
+
 @pytest.mark.parametrize("seconds", [40.0, 120.0])
 def test_zeros_are_no_place(seconds: float, fmus: Fmus) -> None:
     """They are refused for a minute; after that the attitude is in doubt with the place."""
