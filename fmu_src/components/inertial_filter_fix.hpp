@@ -112,7 +112,7 @@ bool InertialFilter<Interface, Engines...>::is_within_reach(const GnssFix& fix, 
     }
     std::visit([this](auto& engine) { this->doubt_attitude(engine); }, engine_);
     recovery_.doubt(clock_);
-    far_since_ = clock_;
+    far_since_ = clock_;  // if the gate refuses it, after another minute again
     if (log_->listens()) {
         log_->event(text("fixes have been ", std::round(from(then.position) / 1e3), " km away for ",
                          Recovery::kCalm, " s: the filter takes their place, with its attitude in doubt"));

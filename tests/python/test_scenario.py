@@ -142,7 +142,10 @@ def test_extending_replaces_entries_and_the_whole_comparison(tmp_path: Path, fmu
         ("duration = 'long'", "mine.toml: duration: 'long' is neither a number nor"),
         ("duration = 100.0", "evaluation.start = 300: must be below duration"),
         ("communication_step = 0.0", "communication_step = 0 s: must be greater than 0"),
-        ("[evaluation]\nstart = 500.0\nstop = 400.0", "evaluation.start must be .* before evaluation.stop"),
+        (
+            "[evaluation]\nstart = 500.0\nstop = 400.0",
+            "evaluation.start = 500 s: must be .* before evaluation.stop",
+        ),
         ("plant = 3", "mine.toml: plant: '3' is not a table"),
         ("plant = [", "mine.toml: not valid TOML"),
         ("filter_fmu = 'Teapot'", "mine.toml: Teapot.fmu is not in .*; run `make fmus`"),

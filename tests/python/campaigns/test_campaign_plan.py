@@ -29,9 +29,9 @@ def test_filters_are_those_that_a_scenario_compares(fmus: Fmus, plan_file: Path)
 
 def test_filters_of_its_own(fmus: Fmus, tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
+    filters = '[filters."a"]\npredictor = "linearised"\n"gate.threshold" = 9.0\n[filters."b"]\n'
     path.write_text(
-        'scenarios = ["zigzag"]\n[set]\n"gate.threshold" = 20.0\n'
-        '[filters."a"]\npredictor = "linearised"\n"gate.threshold" = 9.0\n[filters."b"]\n',
+        f'scenarios = ["zigzag"]\n[set]\n"gate.patience" = 20\n{filters}',
         encoding="utf-8",
     )
     (case,) = cases(load_plan(path), fmus)
@@ -39,7 +39,13 @@ def test_filters_of_its_own(fmus: Fmus, tmp_path: Path) -> None:
     predictor = fmus.filter.variables["predictor"].items
     assert case.filters()["a"]["predictor"] == predictor["linearised"]
     assert case.filters()["b"]["predictor"] == predictor["unscented"]  # of the scenario
-    assert {values["gate.threshold"] for values in case.filters().values()} == {20.0}  # settings win
+    assert {values["gate.patience"] for values in case.filters().values()} == {20}
+    path.write_text(
+        f'scenarios = ["zigzag"]\n[set]\n"gate.threshold" = 20.0\n{filters}',
+        encoding="utf-8",
+    )
+    with pytest.raises(InputError, match=r"gate\.threshold: a is what it is by its own gate\.threshold = 9"):
+        cases(load_plan(path), fmus)
 
 
 def test_a_scenario_alone_is_a_campaign(fmus: Fmus) -> None:
