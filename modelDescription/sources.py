@@ -1,7 +1,8 @@
 """What a component is compiled from, found by following the includes.
 
-A header whose code stands in a file beside it (`earth.hpp`, `earth.cpp`) brings that file with it. Conditions
-around an include are not looked at: other platforms take other branches.
+A header whose code stands in a file beside it (`earth.hpp`, `earth.cpp`) brings that file with it, and a header
+`loose.hpp` what is instantiated for it (`instances/loose_*.cpp` of any folder). Conditions around an include are not
+looked at: other platforms take other branches.
 """
 
 from __future__ import annotations
@@ -41,9 +42,17 @@ def closure(names: Iterable[str], folders: Sequence[Path], libraries: Sequence[P
         found[name] = path
         if name.endswith(".hpp"):
             todo.append(name.removesuffix(".hpp") + ".cpp")
+            todo += _instances(Path(name).stem, folders)
         for included in _INCLUDE.findall(path.read_text(encoding="utf-8", errors="replace")):
             todo += [posixpath.normpath(posixpath.join(posixpath.dirname(name), included)), included]
     return found
+
+
+def _instances(stem: str, folders: Sequence[Path]) -> Iterator[str]:
+    """Source files that instantiate the templates of a header for one model."""
+    for folder in folders:
+        for path in sorted(folder.glob(f"*/instances/{stem}_*.cpp")):
+            yield path.relative_to(folder).as_posix()
 
 
 def _find(name: str, folders: Sequence[Path], libraries: Sequence[Path]) -> Path | None:

@@ -10,13 +10,17 @@ import pytest
 ROOT = Path(__file__).parents[1]
 SOURCES = ROOT / "fmu_src"
 MAY_INCLUDE = {
+    "contract": {"contract"},
     "inertial": {"inertial"},
     "estimation": {"estimation"},
     "error_models": {"error_models", "estimation", "inertial"},
     "aiding": {"aiding", "estimation", "inertial"},
+    "filter": {"filter", "error_models", "aiding", "estimation", "inertial", "contract"},
     "plant": {"plant", "inertial"},
-    "components": {"components", "error_models", "aiding", "estimation", "plant", "inertial"},
-    "fmi": {"fmi", "components"},
+    "components": {
+        "components", "filter", "error_models", "aiding", "estimation", "plant", "inertial", "contract"
+    },
+    "fmi": {"fmi", "components", "contract"},
 }
 INCLUDE = re.compile(r'^\s*#include "(?P<layer>\w+)/', re.MULTILINE)
 
@@ -33,7 +37,7 @@ def test_every_folder_is_a_known_layer() -> None:
 
 @pytest.mark.parametrize("layer", MAY_INCLUDE)
 def test_includes_point_one_way(layer: str) -> None:
-    files = sorted((SOURCES / layer).glob("*.[ch]pp"))
+    files = sorted((SOURCES / layer).rglob("*.[ch]pp"))
     assert files
     offences = {
         path.name: wrong for path in files if (wrong := forbidden(layer, path.read_text(encoding="utf-8")))
@@ -48,5 +52,5 @@ def test_an_include_against_the_direction_is_found() -> None:
 
 @pytest.mark.parametrize("layer", sorted(MAY_INCLUDE.keys() - {"fmi"}))
 def test_only_the_fmi_layer_knows_fmi(layer: str) -> None:
-    for path in (SOURCES / layer).glob("*.[ch]pp"):
+    for path in (SOURCES / layer).rglob("*.[ch]pp"):
         assert "fmi2" not in path.read_text(encoding="utf-8").lower(), path.name

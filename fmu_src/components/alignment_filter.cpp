@@ -1,6 +1,6 @@
 #include "components/alignment_filter.hpp"
 
-#include "components/inertial_filter_run.hpp"
+#include "filter/inertial_filter_run.hpp"
 
 namespace truenorth {
 

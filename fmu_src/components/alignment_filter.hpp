@@ -2,10 +2,10 @@
 #pragma once
 
 #include "AlignmentFilter/variables.hpp"
-#include "components/euler_platform_adapter.hpp"
-#include "components/inertial_filter.hpp"
-#include "components/invariant_engine.hpp"
-#include "components/large_azimuth_adapter.hpp"
+#include "filter/euler_platform_adapter.hpp"
+#include "filter/inertial_filter.hpp"
+#include "filter/invariant_engine.hpp"
+#include "filter/large_azimuth_adapter.hpp"
 
 namespace truenorth {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/text.hpp"
-#include "components/time_tolerance.hpp"
+#include "contract/text.hpp"
+#include "contract/time_tolerance.hpp"
 #include "inertial/attitude.hpp"
 
 namespace truenorth {

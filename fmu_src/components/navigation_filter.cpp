@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "components/inertial_filter_run.hpp"
+#include "filter/inertial_filter_run.hpp"
 
 namespace truenorth {
 

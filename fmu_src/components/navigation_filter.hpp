@@ -3,12 +3,12 @@
 #pragma once
 
 #include "NavigationFilter/variables.hpp"
-#include "components/full_state_adapter.hpp"
-#include "components/inertial_filter.hpp"
-#include "components/invariant_engine.hpp"
-#include "components/loose_adapter.hpp"
-#include "components/state_engine.hpp"
-#include "components/tight_adapter.hpp"
+#include "filter/full_state_adapter.hpp"
+#include "filter/inertial_filter.hpp"
+#include "filter/invariant_engine.hpp"
+#include "filter/loose_adapter.hpp"
+#include "filter/state_engine.hpp"
+#include "filter/tight_adapter.hpp"
 
 namespace truenorth {
 

@@ -4,10 +4,10 @@
 #include <limits>
 #include <string>
 
-#include "components/count_up.hpp"
-#include "components/parameter_rules.hpp"
-#include "components/text.hpp"
-#include "components/time_tolerance.hpp"
+#include "contract/count_up.hpp"
+#include "contract/parameter_rules.hpp"
+#include "contract/text.hpp"
+#include "contract/time_tolerance.hpp"
 #include "plant/time_window.hpp"
 
 namespace truenorth {

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "Playback/variables.hpp"
-#include "components/log.hpp"
 #include "components/recorded_signals.hpp"
+#include "contract/log.hpp"
 
 namespace truenorth {
 

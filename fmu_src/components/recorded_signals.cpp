@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "components/text.hpp"
+#include "contract/text.hpp"
 
 namespace truenorth {
 

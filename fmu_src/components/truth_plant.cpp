@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "components/text.hpp"
 #include "components/truth_plant_rules.hpp"
+#include "contract/text.hpp"
 #include "inertial/attitude.hpp"
 #include "inertial/earth.hpp"
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "components/parameter_rules.hpp"
 #include "components/truth_plant_models.hpp"
+#include "contract/parameter_rules.hpp"
 #include "inertial/earth.hpp"
 #include "plant/fix_queue.hpp"
 #include "plant/transition.hpp"

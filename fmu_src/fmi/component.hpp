@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "components/log.hpp"
+#include "contract/log.hpp"
 #include "fmi/archive.hpp"
 #include "fmi/variable.hpp"
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <memory>
 
-#include "components/log.hpp"
+#include "contract/log.hpp"
 #include "fmi/component.hpp"
 #include "fmi/journal.hpp"
 

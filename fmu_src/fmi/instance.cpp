@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "components/text.hpp"
+#include "contract/text.hpp"
 #include "fmi/archive.hpp"
 #include "fmi/refusal.hpp"
 #include "fmi/snapshot.hpp"

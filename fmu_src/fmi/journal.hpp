@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "components/log.hpp"
+#include "contract/log.hpp"
 
 namespace truenorth::fmi {
 

@@ -9,8 +9,8 @@
 #include <limits>
 {% endif %}
 
-#include "components/parameter_rules.hpp"
-#include "components/serialisation.hpp"
+#include "contract/parameter_rules.hpp"
+#include "contract/serialisation.hpp"
 
 namespace truenorth::{{ component.snake_name }} {
 

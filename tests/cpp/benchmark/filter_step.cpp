@@ -9,8 +9,8 @@
 #include <numbers>
 #include <string>
 
-#include "components/invariant_adapter.hpp"
-#include "components/large_azimuth_adapter.hpp"
+#include "filter/invariant_adapter.hpp"
+#include "filter/large_azimuth_adapter.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "components/alignment_filter.hpp"
-#include "components/invalid_parameter.hpp"
+#include "contract/invalid_parameter.hpp"
 #include "session.hpp"
 
 namespace truenorth {

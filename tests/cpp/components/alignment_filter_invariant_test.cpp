@@ -8,7 +8,7 @@
 #include <string>
 
 #include "components/alignment_filter.hpp"
-#include "components/invalid_parameter.hpp"
+#include "contract/invalid_parameter.hpp"
 #include "session.hpp"
 
 namespace truenorth {

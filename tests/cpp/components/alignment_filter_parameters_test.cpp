@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "components/alignment_filter.hpp"
-#include "components/invalid_parameter.hpp"
+#include "contract/invalid_parameter.hpp"
 #include "session.hpp"
 
 namespace truenorth {

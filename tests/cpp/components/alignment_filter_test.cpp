@@ -6,8 +6,8 @@
 #include <functional>
 #include <random>
 
-#include "components/filter_outputs.hpp"
-#include "components/invalid_parameter.hpp"
+#include "contract/invalid_parameter.hpp"
+#include "filter/filter_outputs.hpp"
 #include "session.hpp"
 
 namespace truenorth {

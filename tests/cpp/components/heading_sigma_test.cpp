@@ -4,7 +4,7 @@
 #include <numbers>
 #include <random>
 
-#include "components/filter_outputs.hpp"
+#include "filter/filter_outputs.hpp"
 #include "inertial/attitude.hpp"
 
 namespace truenorth {

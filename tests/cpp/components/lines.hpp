@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "components/log.hpp"
+#include "contract/log.hpp"
 
 namespace truenorth {
 

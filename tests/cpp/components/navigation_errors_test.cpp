@@ -2,14 +2,14 @@
 // by J d.
 #include <gtest/gtest.h>
 
-#include "components/euler_platform_adapter.hpp"
-#include "components/full_state_adapter.hpp"
-#include "components/invariant_engine.hpp"
-#include "components/large_azimuth_adapter.hpp"
-#include "components/loose_adapter.hpp"
-#include "components/tight_adapter.hpp"
 #include "error_models/navigation_error.hpp"
 #include "error_models/random_values.hpp"
+#include "filter/euler_platform_adapter.hpp"
+#include "filter/full_state_adapter.hpp"
+#include "filter/invariant_engine.hpp"
+#include "filter/large_azimuth_adapter.hpp"
+#include "filter/loose_adapter.hpp"
+#include "filter/tight_adapter.hpp"
 
 namespace truenorth {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "components/invalid_parameter.hpp"
+#include "contract/invalid_parameter.hpp"
 #include "session.hpp"
 
 namespace truenorth {

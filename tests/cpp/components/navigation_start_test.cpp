@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "components/alignment_filter.hpp"
-#include "components/invalid_parameter.hpp"
 #include "components/navigation_filter.hpp"
+#include "contract/invalid_parameter.hpp"
 #include "session.hpp"
 
 namespace truenorth {

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "components/invalid_parameter.hpp"
+#include "contract/invalid_parameter.hpp"
 #include "lines.hpp"
 #include "recording_file.hpp"
 

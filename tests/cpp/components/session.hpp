@@ -9,7 +9,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "components/serialisation.hpp"
+#include "contract/serialisation.hpp"
 #include "lines.hpp"
 #include "sky.hpp"
 #include "turntable.hpp"

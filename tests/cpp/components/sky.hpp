@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "components/gnss_input.hpp"
 #include "error_models/tight.hpp"
+#include "filter/gnss_input.hpp"
 
 namespace truenorth {
 

@@ -8,8 +8,8 @@
 #include <tuple>
 #include <utility>
 
-#include "components/invalid_parameter.hpp"
 #include "components/truth_plant.hpp"
+#include "contract/invalid_parameter.hpp"
 #include "truth_plant_fixture.hpp"
 
 namespace truenorth {

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/invalid_parameter.hpp"
 #include "components/truth_plant.hpp"
+#include "contract/invalid_parameter.hpp"
 #include "truth_plant_fixture.hpp"
 
 namespace truenorth {

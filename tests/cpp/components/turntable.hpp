@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "components/gnss_input.hpp"
+#include "filter/gnss_input.hpp"
 #include "inertial/mechanisation.hpp"
 
 namespace truenorth {

@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-#include "components/invalid_parameter.hpp"
+#include "contract/invalid_parameter.hpp"
 #include "fmi/archive.hpp"
 #include "fmi/refusal.hpp"
 #include "fmi/snapshot.hpp"

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/log.hpp"
-#include "components/parameter_rules.hpp"
+#include "contract/log.hpp"
+#include "contract/parameter_rules.hpp"
 #include "fmi/component.hpp"
 #include "fmi/fmu.hpp"
 

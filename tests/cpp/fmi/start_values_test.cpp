@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "components/log.hpp"
+#include "contract/log.hpp"
 #include "fmi/instance.hpp"
 #include "fmi/refusal.hpp"
 #include "stand_in.hpp"

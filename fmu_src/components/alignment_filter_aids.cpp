@@ -1,8 +1,0 @@
-#include "components/alignment_filter.hpp"
-#include "components/inertial_filter_aid.hpp"
-
-namespace truenorth {
-
-template bool AlignmentFilterBase::take_aids();
-
-}  // namespace truenorth

@@ -1,7 +1,0 @@
-#include "components/euler_platform_adapter.hpp"
-
-namespace truenorth {
-
-template struct AidUpdate<NavigationEngine<EulerPlatform>>;
-
-}  // namespace truenorth

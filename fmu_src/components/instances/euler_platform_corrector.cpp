@@ -1,7 +1,0 @@
-#include "components/euler_platform_adapter.hpp"
-
-namespace truenorth {
-
-template class Corrector<EulerPlatform::kStates, EulerPlatform::kMeasurements>;
-
-}  // namespace truenorth

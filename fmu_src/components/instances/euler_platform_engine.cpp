@@ -1,8 +1,0 @@
-#include "components/euler_platform_adapter.hpp"
-
-namespace truenorth {
-
-template class Engine<EulerPlatform>;
-template class NavigationEngine<EulerPlatform>;
-
-}  // namespace truenorth

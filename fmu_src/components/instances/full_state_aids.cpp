@@ -1,7 +1,0 @@
-#include "components/full_state_adapter.hpp"
-
-namespace truenorth {
-
-template struct AidUpdate<StateEngine<FullState>>;
-
-}  // namespace truenorth

@@ -1,8 +1,0 @@
-#include "components/full_state_adapter.hpp"
-
-namespace truenorth {
-
-template class Engine<FullState>;
-template class StateEngine<FullState>;
-
-}  // namespace truenorth

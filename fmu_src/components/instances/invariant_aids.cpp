@@ -1,7 +1,0 @@
-#include "components/invariant_engine.hpp"
-
-namespace truenorth {
-
-template struct AidUpdate<InvariantEngine<false>>;
-
-}  // namespace truenorth

@@ -1,7 +1,0 @@
-#include "components/invariant_adapter.hpp"
-
-namespace truenorth {
-
-template class Corrector<Invariant<true>::kStates, Invariant<true>::kMeasurements>;
-
-}  // namespace truenorth

@@ -1,7 +1,0 @@
-#include "components/invariant_adapter.hpp"
-
-namespace truenorth {
-
-template class Estimator<Invariant<true>>;
-
-}  // namespace truenorth

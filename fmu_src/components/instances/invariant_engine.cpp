@@ -1,8 +1,0 @@
-#include "components/invariant_engine.hpp"
-
-namespace truenorth {
-
-template class Engine<Invariant<false>>;
-template class InvariantEngine<false>;
-
-}  // namespace truenorth

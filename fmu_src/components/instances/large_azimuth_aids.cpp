@@ -1,7 +1,0 @@
-#include "components/large_azimuth_adapter.hpp"
-
-namespace truenorth {
-
-template struct AidUpdate<NavigationEngine<LargeAzimuth>>;
-
-}  // namespace truenorth

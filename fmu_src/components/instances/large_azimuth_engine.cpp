@@ -1,8 +1,0 @@
-#include "components/large_azimuth_adapter.hpp"
-
-namespace truenorth {
-
-template class Engine<LargeAzimuth>;
-template class NavigationEngine<LargeAzimuth>;
-
-}  // namespace truenorth

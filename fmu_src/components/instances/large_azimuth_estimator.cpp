@@ -1,7 +1,0 @@
-#include "components/large_azimuth_adapter.hpp"
-
-namespace truenorth {
-
-template class Estimator<LargeAzimuth>;
-
-}  // namespace truenorth

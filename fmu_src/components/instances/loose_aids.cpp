@@ -1,7 +1,0 @@
-#include "components/loose_adapter.hpp"
-
-namespace truenorth {
-
-template struct AidUpdate<NavigationEngine<Loose>>;
-
-}  // namespace truenorth

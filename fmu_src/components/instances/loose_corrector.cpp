@@ -1,7 +1,0 @@
-#include "components/loose_adapter.hpp"
-
-namespace truenorth {
-
-template class Corrector<Loose::kStates, Loose::kMeasurements>;
-
-}  // namespace truenorth

@@ -1,8 +1,0 @@
-#include "components/loose_adapter.hpp"
-
-namespace truenorth {
-
-template class Engine<Loose>;
-template class NavigationEngine<Loose>;
-
-}  // namespace truenorth

@@ -1,7 +1,0 @@
-#include "components/loose_adapter.hpp"
-
-namespace truenorth {
-
-template class Estimator<Loose>;
-
-}  // namespace truenorth

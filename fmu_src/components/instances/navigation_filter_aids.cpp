@@ -1,0 +1,8 @@
+#include "components/navigation_filter.hpp"
+#include "filter/inertial_filter_aid.hpp"
+
+namespace truenorth {
+
+template bool NavigationFilterBase::take_aids();
+
+}  // namespace truenorth

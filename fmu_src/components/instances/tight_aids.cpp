@@ -1,7 +1,0 @@
-#include "components/tight_adapter.hpp"
-
-namespace truenorth {
-
-template struct AidUpdate<NavigationEngine<Tight>>;
-
-}  // namespace truenorth

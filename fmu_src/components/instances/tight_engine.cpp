@@ -1,8 +1,0 @@
-#include "components/tight_adapter.hpp"
-
-namespace truenorth {
-
-template class Engine<Tight>;
-template class NavigationEngine<Tight>;
-
-}  // namespace truenorth

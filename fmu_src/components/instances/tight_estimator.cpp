@@ -1,7 +1,0 @@
-#include "components/tight_adapter.hpp"
-
-namespace truenorth {
-
-template class Estimator<Tight>;
-
-}  // namespace truenorth

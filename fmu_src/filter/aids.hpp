@@ -1,0 +1,128 @@
+// The aids that a filter has besides its receiver: what each takes from its port, what it measures
+// (aiding/), and what is in doubt when the filter no longer believes itself.
+#pragma once
+
+#include <cmath>
+
+#include "aiding/body_velocity.hpp"
+#include "aiding/heading.hpp"
+#include "aiding/height.hpp"
+#include "filter/gnss_input.hpp"
+#include "filter/uncertainty.hpp"
+
+namespace truenorth {
+
+// What is in doubt when an aid has been refused too often: of the prediction, and which of the sensor's
+// constant errors (aiding::SensorErrors).
+struct AidDoubt {
+    const char* name = "";
+    Uncertainty prediction;
+    int own = 0;
+    int own_count = 0;
+    double own_least = 0.0;  // how large they may be, by what was refused: of an aid whose one error it is
+    bool binds_velocity = false;  // the sensor bears the navigation where there are no fixes
+};
+
+template <class Aid>
+AidDoubt doubt_of(const Eigen::Vector3d& residual) {
+    return {.name = Aid::kName,
+            .prediction = Aid::doubt(residual),
+            .own = Aid::kOwn,
+            .own_count = Aid::kOwnCount,
+            .own_least = Aid::kOwnCount == 1 ? residual.norm() : 0.0,
+            .binds_velocity = Aid::kBindsVelocity};
+}
+
+// Each names itself, says whether it binds the velocity so that the estimate does not coast, reads its port,
+// knows what is possible, and observes. `sigma` is that of the parameters, for measurements that do not say;
+// its constant errors are the kOwnCount of aiding::SensorErrors from kOwn on.
+
+struct BodyVelocityAid {
+    static constexpr const char* kName = "body_velocity";
+    static constexpr bool kBindsVelocity = true;
+    static constexpr bool kIsHeight = false;
+    static constexpr int kOwn = aiding::kScale;
+    static constexpr int kOwnCount = 4;
+
+    Eigen::Vector3d lever_arm;
+    double sigma;  // [m/s]
+
+    template <class Port>
+    static Eigen::Vector3d measured(const Port& port) {
+        return port.velocity;
+    }
+    template <class Port>
+    static Eigen::Vector3d sigma_of(const Port& port) {
+        return port.sigma;
+    }
+    static bool possible(const Eigen::Vector3d& measured) {
+        return !(measured.array().abs() > GnssInput::kLargestSpeed).any();
+    }
+    [[nodiscard]] aiding::Observation observe(const aiding::Moment& moment,
+                                              const Eigen::Vector3d& measured) const {
+        return aiding::body_velocity(moment, lever_arm, measured);
+    }
+    static Uncertainty doubt(const Eigen::Vector3d& residual) {
+        return {.velocity = residual.squaredNorm() * Eigen::Matrix3d::Identity()};
+    }
+};
+
+struct HeadingAid {
+    static constexpr const char* kName = "heading_aid";
+    static constexpr bool kBindsVelocity = false;
+    static constexpr bool kIsHeight = false;
+    static constexpr int kOwn = aiding::kHeadingBias;
+    static constexpr int kOwnCount = 1;
+
+    double sigma;  // [rad]
+
+    template <class Port>
+    static Eigen::Vector3d measured(const Port& port) {
+        return aiding::Observation::single(port.heading);
+    }
+    template <class Port>
+    static Eigen::Vector3d sigma_of(const Port& port) {
+        return aiding::Observation::single(port.sigma);
+    }
+    static bool possible(const Eigen::Vector3d& measured) {
+        return std::abs(measured(0)) <= GnssInput::kLargestLongitude;  // a turn either way
+    }
+    [[nodiscard]] static aiding::Observation observe(const aiding::Moment& moment,
+                                                     const Eigen::Vector3d& measured) {
+        return aiding::heading(moment, measured(0));
+    }
+    static Uncertainty doubt(const Eigen::Vector3d& residual) {
+        return {.attitude = Eigen::Vector3d(0.0, 0.0, residual.squaredNorm()).asDiagonal()};
+    }
+};
+
+struct HeightAid {
+    static constexpr const char* kName = "height_aid";
+    static constexpr bool kBindsVelocity = false;
+    static constexpr bool kIsHeight = true;
+    static constexpr int kOwn = aiding::kHeightBias;
+    static constexpr int kOwnCount = 1;
+
+    double sigma;  // [m]
+
+    template <class Port>
+    static Eigen::Vector3d measured(const Port& port) {
+        return aiding::Observation::single(port.height);
+    }
+    template <class Port>
+    static Eigen::Vector3d sigma_of(const Port& port) {
+        return aiding::Observation::single(port.sigma);
+    }
+    static bool possible(const Eigen::Vector3d& measured) {
+        return measured(0) >= GnssInput::kLowest && measured(0) <= GnssInput::kHighest;
+    }
+    [[nodiscard]] static aiding::Observation observe(const aiding::Moment& moment,
+                                                     const Eigen::Vector3d& measured) {
+        return aiding::height(moment, measured(0));
+    }
+    static Uncertainty doubt(const Eigen::Vector3d& residual) {
+        return {.position = Eigen::Vector3d(0.0, 0.0, residual.squaredNorm()).asDiagonal()};
+    }
+};
+
+}  // namespace truenorth

@@ -1,0 +1,149 @@
+// What inertial_filter.hpp tells: its estimate, and how far that can be believed.
+#pragma once
+
+#include <type_traits>
+
+#include "contract/text.hpp"
+#include "contract/time_tolerance.hpp"
+#include "filter/aids.hpp"
+#include "filter/filter_outputs.hpp"
+#include "filter/inertial_filter.hpp"
+
+namespace truenorth {
+
+// So many fixes in a row beyond what their covariance explains are no outliers: of a consistent filter one in
+// 3000 is beyond gate.threshold, of a receiver in a bad place one in twenty.
+inline constexpr int kContradictions = 5;
+
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::publish() {
+    if (!status_.faulted()) {
+        std::visit(
+            [this](const auto& engine) { publish_estimate(outputs, engine, imu_.stamp(), parameters); },
+            engine_);
+    }
+    publish_health();
+}
+
+// What the clock alone can change.
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::publish_health() {
+    outputs.rejected_samples = imu_.rejected();
+    outputs.missed_samples = imu_.missed();
+    outputs.imu.silent_for = imu_.silent_for();
+    outputs.clock_disagreements = imu_.disagreements() + gnss_.disagreements() +
+                                  body_velocity_.clock.disagreements() + heading_aid_.clock.disagreements() +
+                                  height_aid_.clock.disagreements();
+    outputs.nis_mean = nis_window_.mean(imu_.time());
+    auto& gnss = outputs.aid.gnss;
+    gnss.nis_mean = outputs.nis_mean;
+    gnss.used = outputs.used_fixes;
+    gnss.rejected = outputs.rejected_fixes;
+    gnss.silent_for = clock_ - gnss_used_;
+    auto& aid = outputs.aid;
+    const Appended& sensors =
+        std::visit([](const auto& engine) -> const Appended& { return engine.estimator.appended; }, engine_);
+    publish_errors_of_sensors(aid, sensors);
+    publish_health_of(aid.body_velocity, body_velocity_, imu_.time(), clock_);
+    publish_health_of(aid.heading_aid, heading_aid_, imu_.time(), clock_);
+    publish_health_of(aid.height_aid, height_aid_, imu_.time(), clock_);
+    publish_status();
+}
+
+// What the filter is told of the gyros.
+template <class Interface, class... Engines>
+AttitudeLedger::Gyros InertialFilter<Interface, Engines...>::gyros() const {
+    const auto& process = parameters.process;
+    AttitudeLedger::Gyros gyros{.bias = parameters.prior.gyro_bias_sigma,
+                                .random_walk = process.angle_random_walk};
+    if constexpr (requires { process.gyro_markov_sigma; }) {
+        gyros.bias = std::hypot(gyros.bias, process.gyro_markov_sigma);
+    }
+    if constexpr (requires { process.gyro_bias_random_walk; }) {
+        gyros.bias_random_walk = process.gyro_bias_random_walk;
+    }
+    return gyros;
+}
+
+// What speaks against the covariance.
+template <class Interface, class... Engines>
+Contradiction InertialFilter<Interface, Engines...>::contradiction() const {
+    const int in_a_row =
+        std::visit([](const auto& engine) { return engine.corrector.contradictions(); }, engine_);
+    const double limit = parameters.consistency.limit;
+    if (in_a_row >= kContradictions && clock_ - gnss_heard_ <= parameters.consistency.window) {
+        return Contradiction::fixes;
+    }
+    if (!(nis_window_.deviate(imu_.time()) <= limit)) {  // nor is what is no number
+        return Contradiction::innovations;
+    }
+    const Appended& sensors =
+        std::visit([](const auto& engine) -> const Appended& { return engine.estimator.appended; }, engine_);
+    const auto contradicts = [&]<class Aid>(const AidMemory& memory, std::type_identity<Aid>) {
+        return memory.heard_of_late(clock_) &&
+               (memory.contradictions() >= kContradictions ||
+                !(memory.window.deviate(imu_.time()) <= limit) || !(memory.mean.deviate() <= limit) ||
+                !(sensors.deviate(Aid::kOwn, Aid::kOwnCount) <= limit));
+    };
+    if (contradicts(body_velocity_, std::type_identity<BodyVelocityAid>{}) ||
+        contradicts(heading_aid_, std::type_identity<HeadingAid>{}) ||
+        contradicts(height_aid_, std::type_identity<HeightAid>{})) {
+        return Contradiction::aids;
+    }
+    const bool explained = ledger_.deviate(imu_.time() - opened_, gyros()) <= limit;
+    return explained ? Contradiction::none : Contradiction::start;
+}
+
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::publish_status() {
+    const bool coarse = std::visit([](const auto& engine) { return engine.is_coarse(); }, engine_);
+    const double delay = parameters.coasting.delay;
+    const Contradiction against = contradiction();
+    const auto state = status_.judge(clock_,
+                                     {.sensing = imu_.any(),
+                                      .silent = imu_.silent_for() > imu_.patience() + kTimeTolerance,
+                                      .suspect = clock_ - imu_.suspected() < delay - kTimeTolerance,
+                                      .coarse = coarse,
+                                      .recovering = recovery_.under_way(clock_),
+                                      .consistent = against == Contradiction::none,
+                                      .heading_sigma = outputs.heading_sigma},
+                                     {.heading_sigma = parameters.convergence.heading_sigma,
+                                      .hold_time = parameters.convergence.hold_time,
+                                      .coasting_delay = delay});
+    using State = FilterStatus::State;
+    using Status = typename Interface::Status;
+    constexpr auto same = [](Status status, State internal) {
+        return static_cast<State>(status) == internal;
+    };
+    static_assert(same(Status::waiting, State::waiting) && same(Status::aligning, State::aligning) &&
+                  same(Status::converged, State::converged) && same(Status::coasting, State::coasting) &&
+                  same(Status::faulted, State::faulted) && same(Status::coarse, State::coarse) &&
+                  same(Status::inconsistent, State::inconsistent) && same(Status::silent, State::silent) &&
+                  same(Status::suspect, State::suspect) && same(Status::recovering, State::recovering));
+    const auto was = static_cast<State>(outputs.status);
+    outputs.status = static_cast<Status>(state);
+    outputs.converged = state == State::converged;
+    was_sure_ = was_sure_ || outputs.converged;
+    if (state == was || !log_->listens()) {
+        return;
+    }
+    if (state == State::inconsistent) {
+        if (const auto omitted = told_notices_.tell(Notice::contradicted, clock_)) {
+            log_->event(text("the covariance is contradicted at ", rounded(clock_), " s: ", reason(against),
+                             "; nis_mean is ", rounded(outputs.nis_mean), and_others(*omitted).c_str()));
+        }
+    }
+    if (state == State::silent) {
+        if (const auto omitted = told_notices_.tell(Notice::silent, clock_)) {
+            log_->event(text("no usable IMU sample since ", rounded(clock_ - imu_.silent_for()),
+                             " s by the master's clock: the estimate stands still",
+                             and_others(*omitted).c_str()));
+        }
+    }
+    if (outputs.converged || was == State::converged) {
+        log_->event(
+            text(outputs.converged ? "converged" : "no longer converged", " at ", rounded(clock_), " s"));
+    }
+}
+
+}  // namespace truenorth

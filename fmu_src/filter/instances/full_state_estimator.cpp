@@ -1,0 +1,7 @@
+#include "filter/full_state_adapter.hpp"
+
+namespace truenorth {
+
+template class Estimator<FullState>;
+
+}  // namespace truenorth

@@ -1,0 +1,7 @@
+#include "filter/invariant_adapter.hpp"
+
+namespace truenorth {
+
+template class Estimator<Invariant<false>>;
+
+}  // namespace truenorth

@@ -1,0 +1,7 @@
+#include "filter/tight_adapter.hpp"
+
+namespace truenorth {
+
+template struct AidUpdate<NavigationEngine<Tight>>;
+
+}  // namespace truenorth

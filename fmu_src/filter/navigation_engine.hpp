@@ -1,0 +1,218 @@
+// An error-state model at work: the mechanisation, the estimator beside it, and the corrector between the
+// two.
+//
+// With feedback every correction is moved into the mechanisation and its sensor biases, and the estimate
+// starts again from zero; without, the mechanisation runs open loop and `best` alone is corrected
+// (EulerPlatform then damps its velocity, Zhao 2012).
+#pragma once
+
+#include <algorithm>
+#include <numbers>
+
+#include "contract/time_tolerance.hpp"
+#include "estimation/delayed.hpp"
+#include "filter/engine.hpp"
+
+namespace truenorth {
+
+template <ErrorModel M>
+class NavigationEngine : public Engine<M> {
+  public:
+    using Base = Engine<M>;
+    using Base::estimator;
+    using typename Base::Where;
+
+    static constexpr bool kStartsWhereItIs = true;
+
+    bool feedback = true;
+    // Prior sigmas, for a model that has no states for them [rad/s], [m/s2].
+    double gyro_bias_sigma = 0.0;
+    double accelerometer_bias_sigma = 0.0;
+
+    void start(const Start& start);
+
+    // Carries the mechanisation over an increment.
+    Prediction mechanise(const ImuIncrement& increment);
+
+    // Time since the estimate was last carried forward [s].
+    [[nodiscard]] double pending() const { return average_.duration(); }
+
+    // Carries the estimate to the present; pending() must be positive.
+    Prediction predict();
+
+    // A fix that is late is compared with the estimate as it was at its time.
+    [[nodiscard]] Innovation<Base::kStates, Base::kMeasurements> innovate(const Sighting& seen,
+                                                                          const typename M::Fix& fix) const;
+
+    // Corrects the estimate and feeds it back. The correction must have been used. `constants`: of the
+    // sensors, after it, if it measured them.
+    Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction,
+                 const Appended* constants = nullptr);
+
+    // Moves the mechanisation in what the model has no states for: velocity [m/s] and position [m], ENU.
+    void move(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement);
+
+    // Starts again where it is, with the prior and an attitude of these sigmas [rad]; position and velocity
+    // are as uncertain as the fix is far off. Returns what changed, which is nothing: the equations of its
+    // errors find any heading from here, and they do it sooner with what has been learned of the sensors.
+    Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma, const Discrepancy& off,
+                       bool has_fixes = true);
+
+    // The navigation state, corrected by the estimate.
+    [[nodiscard]] NavigationState best() const { return estimated(mechanisation_.state); }
+    [[nodiscard]] NavigationState estimated(const NavigationState& mechanised) const;
+
+    // Of the errors that `best` has left, with respect to those of the states.
+    [[nodiscard]] Matrix<aiding::kErrors, Base::kStates> navigation_errors() const;
+
+    // Of the errors that `best` has left. With feedback there is nothing to be taken out between two fixes.
+    [[nodiscard]] Matrix<Base::kStates> covariance() const;
+
+    [[nodiscard]] Eigen::Vector3d gyro_bias() const;
+    [[nodiscard]] Eigen::Vector3d accelerometer_bias() const;
+
+    // Of the misalignment that is estimated [rad].
+    [[nodiscard]] Eigen::Vector3d misalignment_sigma() const;
+
+    // With feedback the misalignment that the last fix found, without the one that is estimated [rad].
+    [[nodiscard]] Eigen::Vector3d misalignment() const;
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        Base::serialize(archive);
+        archive(average_);
+    }
+
+  private:
+    // Variance of the attitude that the estimate does not know of. A model without biases aligns with them:
+    // the tilts end off by nabla / g, the heading by eps / (w_ie cos L) (Zhao 2012, section 3).
+    [[nodiscard]] Eigen::Vector3d left_out() const;
+
+    using Base::mechanisation_;
+    IntervalAverage average_;
+};
+
+template <ErrorModel M>
+void NavigationEngine<M>::start(const Start& start) {
+    this->set_out(start);
+    average_ = IntervalAverage{};
+    estimator.state.setZero();
+}
+
+template <ErrorModel M>
+Prediction NavigationEngine<M>::mechanise(const ImuIncrement& increment) {
+    const NavigationState before = mechanisation_.state;
+    mechanisation_.advance(this->compensated(increment));
+    average_.add(before, mechanisation_, increment.dt);
+    return Prediction::sound;
+}
+
+template <ErrorModel M>
+Prediction NavigationEngine<M>::predict() {
+    const typename M::Interval interval(average_, mechanisation_.state.position, estimator.state);
+    average_ = IntervalAverage{};
+    return estimator.predict(interval);
+}
+
+template <ErrorModel M>
+auto NavigationEngine<M>::innovate(const Sighting& seen, const typename M::Fix& fix) const
+    -> Innovation<Base::kStates, Base::kMeasurements> {
+    if (seen.since.duration() <= kTimeTolerance) {
+        return estimator.innovate(fix);
+    }
+    return innovate_delayed(estimator.model, estimator.state, estimator.covariance, fix,
+                            typename M::Interval(seen.since, seen.then.position, estimator.state));
+}
+
+template <ErrorModel M>
+Change NavigationEngine<M>::apply(const Correction<Base::kStates, Base::kMeasurements>& correction,
+                                  const Appended* constants) {
+    estimator.apply(correction, constants);
+    if (!estimator.state.allFinite() || !estimator.covariance.allFinite()) {
+        return {.finite = false};
+    }
+    this->found_ = components(estimator.state, Where::attitude);
+    const NavigationState before = mechanisation_.state;
+    if (feedback) {
+        mechanisation_.state = M::corrected(mechanisation_.state, estimator.state);
+        this->gyro_bias_ += components(estimator.state, Where::gyro);
+        this->accelerometer_bias_ += components(estimator.state, Where::accelerometer);
+        estimator.reset();
+    } else if constexpr (requires { M::damp(mechanisation_.state, estimator.state); }) {
+        M::damp(mechanisation_.state, estimator.state);
+    }
+    return Change::between(before, mechanisation_.state);
+}
+
+template <ErrorModel M>
+void NavigationEngine<M>::move(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement) {
+    mechanisation_.state.velocity += velocity;
+    mechanisation_.state.position = earth::displaced(mechanisation_.state.position, displacement);
+}
+
+template <ErrorModel M>
+Change NavigationEngine<M>::start_again(const Change& /*proposal*/, const Eigen::Vector3d& attitude_sigma,
+                                        const Discrepancy& off, bool /*has_fixes*/) {
+    this->forget();
+    this->add_uncertainty({.attitude = attitude_sigma.cwiseAbs2().asDiagonal(),
+                           .velocity = off.velocity.cwiseAbs2().asDiagonal(),
+                           .position = off.position.cwiseAbs2().asDiagonal()});
+    return {};
+}
+
+template <ErrorModel M>
+NavigationState NavigationEngine<M>::estimated(const NavigationState& mechanised) const {
+    if (estimator.state.isZero(0.0)) {  // as it is after every fix with feedback
+        return mechanised;
+    }
+    return M::corrected(mechanised, estimator.state);
+}
+
+template <ErrorModel M>
+auto NavigationEngine<M>::navigation_errors() const -> Matrix<aiding::kErrors, Base::kStates> {
+    if constexpr (Resettable<M>) {
+        return Base::errors_of_states() * estimator.model.reset_jacobian(estimator.state);
+    } else {
+        return Base::errors_of_states();
+    }
+}
+
+template <ErrorModel M>
+auto NavigationEngine<M>::covariance() const -> Matrix<Base::kStates> {
+    Matrix<Base::kStates> P = feedback ? estimator.covariance : estimator.covariance_of_remaining();
+    P.diagonal().template segment<3>(Where::attitude.first) += left_out();
+    return P;
+}
+
+template <ErrorModel M>
+Eigen::Vector3d NavigationEngine<M>::left_out() const {
+    if constexpr (Where::gyro.count > 0 || Where::accelerometer.count > 0) {
+        return Eigen::Vector3d::Zero();
+    }
+    const double north_rate = earth::rate(mechanisation_.state.position.latitude).y();
+    const double tilt = accelerometer_bias_sigma / earth::kStandardGravity;
+    const double heading = std::min(gyro_bias_sigma / north_rate, std::numbers::pi);
+    return Eigen::Vector3d(tilt, tilt, heading).cwiseAbs2();
+}
+
+template <ErrorModel M>
+Eigen::Vector3d NavigationEngine<M>::misalignment_sigma() const {
+    return (Base::misalignment_sigma().cwiseAbs2() + left_out()).cwiseSqrt();
+}
+
+template <ErrorModel M>
+Eigen::Vector3d NavigationEngine<M>::gyro_bias() const {
+    return this->gyro_bias_ + components(estimator.state, Where::gyro);
+}
+
+template <ErrorModel M>
+Eigen::Vector3d NavigationEngine<M>::accelerometer_bias() const {
+    return this->accelerometer_bias_ + components(estimator.state, Where::accelerometer);
+}
+
+template <ErrorModel M>
+Eigen::Vector3d NavigationEngine<M>::misalignment() const {
+    return feedback ? this->found_ : components(estimator.state, Where::attitude);
+}
+
+}  // namespace truenorth
