@@ -150,6 +150,8 @@ def _of_cells(sheet: Sheet) -> list[Part]:
     """Tables that the columns of a text file are likely to hold."""
     names = sheet.habits.names
     columns = likely(names) if sheet.habits.header else guessed_tables.unnamed(sheet)
+    if "time" not in columns and (growing := guessed_tables.growing(sheet)):
+        columns["time"] = growing[:1]
     if "time" not in columns:
         raise InputError(f"{sheet.path}: no column of {', '.join(names[:20])} seems to be a time")
     why = "by their names" if sheet.habits.header else "there is no header: by size and steadiness"

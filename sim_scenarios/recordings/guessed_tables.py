@@ -30,6 +30,7 @@ Columns = Mapping[str, tuple[str, ...]]
 
 IMU_STEPS: Final = (1e-4, 0.11)  # s between samples
 AID_STEPS: Final = (0.02, 21.0)  # s
+SOLUTION_STEPS: Final = (IMU_STEPS[0], AID_STEPS[1])
 NEAR_GRAVITY: Final = 1.25
 """Factor by which a mean force may differ from gravity to tell its unit."""
 FASTEST: Final = 40.0  # rad/s, more than 2000 deg/s
@@ -64,8 +65,9 @@ def tables(sheet: Sheet, columns: Columns) -> dict[str, Told]:
     found = {}
     if {"angular", "force"} <= set(columns):
         found["imu"] = _imu(sheet, _some(columns, "time", "angular", "force"))
-    unit = {"time": _time(sheet, columns["time"][0], IMU_STEPS if found else AID_STEPS)}
     solution = "attitude" in columns and not found
+    steps = IMU_STEPS if found else SOLUTION_STEPS if solution else AID_STEPS
+    unit = {"time": _time(sheet, columns["time"][0], steps)}
     if not solution and {"position", "velocity"} & set(columns):
         told = _some(columns, "time", "position", "velocity", "position_sigma", "velocity_sigma")
         found["gnss"] = _moving(sheet, told, unit, (layouts.GnssColumns, layouts.GnssUnits))
@@ -96,18 +98,26 @@ def unnamed(sheet: Sheet) -> dict[str, tuple[str, ...]]:
 
     Time increases; of the first two triples of the rest, that with the steadier size is the force.
     """
-    names = sheet.habits.names
-    numbers = {n: sheet.numbers(n) for n in names if pd.api.types.is_numeric_dtype(sheet.cells[n])}
-    growing = [n for n, values in numbers.items() if (np.diff(values) > 0).mean() > 0.99]
-    if not growing:
+    numbers = _numbers(sheet)
+    if not (time := growing(sheet)[:1]):
         return {}
-    rest = [n for n in numbers if n != growing[0]]
+    rest = [n for n in numbers if n not in time]
     if len(rest) < 6:
-        return {"time": (growing[0],)}
+        return {"time": time}
     triples = [tuple(rest[:3]), tuple(rest[3:6])]
     sizes = [np.linalg.norm(np.stack([numbers[n] for n in triple]), axis=0) for triple in triples]
     angular, force = sorted(triples, key=lambda t: -_unsteadiness(sizes[triples.index(t)]))
-    return {"time": (growing[0],), "angular": angular, "force": force}
+    return {"time": time, "angular": angular, "force": force}
+
+
+def growing(sheet: Sheet) -> tuple[str, ...]:
+    """Columns whose numbers increase nearly from row to row, as those of stamps do."""
+    return tuple(name for name, values in _numbers(sheet).items() if (np.diff(values) > 0).mean() > 0.99)
+
+
+def _numbers(sheet: Sheet) -> dict[str, Array]:
+    names = sheet.habits.names
+    return {n: sheet.numbers(n) for n in names if pd.api.types.is_numeric_dtype(sheet.cells[n])}
 
 
 def _unsteadiness(size: Array) -> float:

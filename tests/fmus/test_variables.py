@@ -7,10 +7,9 @@ import re
 from ctypes import byref, c_double, c_int, c_size_t, c_uint
 
 import pytest
-from calls import ERROR, OK, STARTS, Fmu, Instance, Number
+from archives import FILTERS, SAMPLES, STEP, choices
+from calls import ERROR, OK, STARTS, Fmu, Instance, Number, run
 from fmpy.model_description import ScalarVariable
-
-STEP = 0.01
 
 
 def bad_values(variable: ScalarVariable) -> list[tuple[Number, str]]:
@@ -136,6 +135,38 @@ def test_a_tuned_value_is_kept(fmu: Fmu) -> None:
         value = 0.9 * instance.get(reals[0].name)
         assert instance.set(reals[0].name, value) == OK
         assert instance.get(reals[0].name) == value
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_noise_that_is_tuned_counts_from_then_on(
+    fmus: dict[str, Fmu], name: str, signals: list[dict[str, Number]]
+) -> None:
+    """Fixes are told to be a thousand times worse in the middle of a run, and innovations expected so."""
+    half = SAMPLES // 2
+    sigmas = []
+    for factor in (1.0, 1000.0):
+        with fmus[name].instance() as instance:
+            instance.start()
+            run(instance, signals, 0, half, STEP)
+            told = factor * instance.get("measurement.velocity_sigma")
+            assert instance.set("measurement.velocity_sigma", told) == OK, instance.journal.last
+            run(instance, signals, half, SAMPLES, STEP)
+            sigmas.append(max(v for n, v in instance.read().items() if n.startswith("innovation_sigma[")))
+    assert sigmas[1] >= told > 2 * sigmas[0]
+
+
+def test_a_gamma_that_is_tuned_counts_from_then_on(
+    fmus: dict[str, Fmu], signals: list[dict[str, Number]]
+) -> None:
+    half = SAMPLES // 2
+    corrector = choices(fmus["AlignmentFilter"], "corrector")[1]  # h_infinity
+    with fmus["AlignmentFilter"].instance() as instance:
+        instance.start(corrector=corrector)
+        run(instance, signals, 0, half, STEP)
+        before = instance.get("robust.gamma_effective")
+        assert instance.set("robust.gamma", 2 * before) == OK, instance.journal.last
+        run(instance, signals, half, SAMPLES, STEP)
+        assert instance.get("robust.gamma_effective") == pytest.approx(2 * before)
 
 
 def test_outputs_cannot_be_set(fmu: Fmu) -> None:

@@ -15,10 +15,13 @@ _FORCE: Final = (
     r"(delta|d)_?v(el|elocity)?"
 )
 _VELOCITY: Final = r"v(el|elocity)?|speed"
-_SIGMA: Final = r"s(d|td|igma|td_?dev)"
+_SIGMA: Final = r"s(d|td|tdv|igma|td_?dev)"
 _BEFORE: Final = r"(?:(?:imu|gnss|gps|ins|nav|sensor|raw|body|b|field)\d?_)*"
 _AFTER: Final = r"(?:_(?P<unit>\w+))?"
 _EAST_NORTH_UP: Final = (r"e(ast)?", r"n(orth)?", r"u(p)?")
+_EAST_NORTH_DOWN: Final = (*_EAST_NORTH_UP[:2], r"d(own)?")
+_COORDINATES: Final = (r"lon(g|gitude)?", r"lat(itude)?", r"(alt(itude)?|h(eight|gt)?)")
+_ABOVE: Final = r"(_above_ellipsoid|_ellipsoidal|_ellipsoid|_hae)?"
 
 _UNITS: Final = {
     "deg/s": ("dps", "degs", "deg_s", "degps", "deg_sec", "d_s"),
@@ -62,7 +65,7 @@ def is_increment(name: str) -> bool:
 def plain(name: str) -> str:
     """A name in small letters, digits and underscores alone."""
     spelt = re.sub(r"[°º]", "deg", name).replace("²", "2").replace("^", "")
-    spelt = re.sub(r"(?<=[a-z])(?=[XYZENUD](?![a-z]))", "_", spelt)
+    spelt = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", spelt)
     return re.sub(r"[^a-z0-9]+", "_", spelt.casefold()).strip("_")
 
 
@@ -81,15 +84,17 @@ def likely(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
         `attitude`, `heading`, `forward`, `height` those that were found: names of their columns, "" for what
         is missing, a minus in front of what points the other way.
     """
+    of_place, of_velocity = _sigmas(names)
     found = {
         "time": _time(names),
-        "angular": _triple(names, _ANGULAR, ("x", "y", "z")),
-        "force": _triple(names, _FORCE, ("x", "y", "z")),
+        "angular": _triple(names, _ANGULAR, ("x", "y", "z")) or _counted(names, _ANGULAR),
+        "force": _triple(names, _FORCE, ("x", "y", "z")) or _counted(names, _FORCE),
         "position": _position(names),
         "velocity": _east_north_up(names, _VELOCITY),
-        "position_sigma": _triple(names, _SIGMA, _EAST_NORTH_UP),
-        "velocity_sigma": _triple(names, rf"{_SIGMA}_?v|{_SIGMA}_?vel(ocity)?", _EAST_NORTH_UP),
-        "attitude": _each(names, r"roll", r"pitch", r"(heading|yaw|hdg|azimuth)"),
+        "position_sigma": of_place,
+        "velocity_sigma": of_velocity,
+        "attitude": _each(names, r"roll", r"pitch", r"(heading|yaw|hdg|azimuth)")
+        or _counted(names, r"(euler|rpy|attitude)(_?(angles?|attitude|rpy))?"),
         "heading": _each(names, r"(heading|hdg|heading_aid|yaw|azimuth)"),
         "forward": _each(
             names, r"(wheel|odo|odometer|dvl|log|v|vel|body)_?(velocity_?|speed_?|vel_?)?(forward|fwd|speed)"
@@ -106,7 +111,7 @@ def _time(names: Sequence[str]) -> tuple[str, ...]:
     for pattern in (
         r"time|t|timestamp|stamp",
         r"(time|timestamp|stamp|t)_\w+|\w+_(time|timestamp|stamp)|tow|sow|sod|epoch|seconds|sec|utc|gpst|datetime",
-        r"\w*(time|stamp|tow)\w*",
+        r"\w*(time|stamp|tow|tov)\w*",
     ):
         for name, word in words.items():
             if re.fullmatch(pattern, word):
@@ -125,6 +130,19 @@ def _triple(names: Sequence[str], stem: str, axes: Sequence[str]) -> tuple[str, 
     return tuple(columns) if len(set(columns)) == len(axes) else ()
 
 
+def _counted(names: Sequence[str], stem: str) -> tuple[str, ...]:
+    """Three columns of one stem, with an index from 0 or from 1."""
+    for axes in (("0", "1", "2"), ("1", "2", "3")):
+        columns = [
+            name
+            for axis in axes
+            for name in [n for n in names if re.fullmatch(rf"{_BEFORE}(?:{stem})_{axis}", plain(n))][:1]
+        ]
+        if len(columns) == len(axes):
+            return tuple(columns)
+    return ()
+
+
 def _each(names: Sequence[str], *patterns: str) -> tuple[str, ...]:
     columns = []
     for pattern in patterns:
@@ -134,12 +152,31 @@ def _each(names: Sequence[str], *patterns: str) -> tuple[str, ...]:
 
 def _position(names: Sequence[str]) -> tuple[str, ...]:
     flat = _each(names, r"lat(itude)?", r"(lon|lng|long|longitude)")
-    height = _each(names, r"(alt|altitude|height|hgt|h|ellipsoidal_height|h_ell|up)")
+    height = _each(names, rf"(alt|altitude|height|hgt|h|ellipsoidal_height|h_ell|up){_ABOVE}")
     return flat and (*flat, *(height or ("",)))
 
 
 def _east_north_up(names: Sequence[str], stem: str) -> tuple[str, ...]:
-    if up := _triple(names, stem, _EAST_NORTH_UP):
+    if up := _triple(names, stem, _EAST_NORTH_UP) or _counted(names, rf"(?:{stem})_?enu"):
         return up
-    down = _triple(names, stem, (*_EAST_NORTH_UP[:2], r"d(own)?"))
-    return down and (*down[:2], f"-{down[2]}")
+    if down := _triple(names, stem, _EAST_NORTH_DOWN):
+        return (*down[:2], f"-{down[2]}")
+    if counted := _counted(names, rf"(?:{stem})_?ned"):
+        return (counted[1], counted[0], f"-{counted[2]}")
+    return ()
+
+
+def _sigmas(names: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Sigmas of a place and of a velocity: east, north, up.
+
+    Beside those of latitude and longitude, what is along north and east, and no more, is of a velocity.
+    """
+    of_velocity = rf"{_SIGMA}_?v|{_SIGMA}_?vel(ocity)?|v(el(ocity)?)?_?{_SIGMA}"
+    coordinates = _triple(names, _SIGMA, _COORDINATES)
+    directions = _unsigned(names, _SIGMA)
+    velocity = _unsigned(names, of_velocity)
+    return coordinates or directions, velocity or (directions if coordinates else ())
+
+
+def _unsigned(names: Sequence[str], stem: str) -> tuple[str, ...]:
+    return tuple(name.removeprefix("-") for name in _east_north_up(names, stem))

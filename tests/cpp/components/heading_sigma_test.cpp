@@ -20,7 +20,7 @@ TEST(HeadingSigma, IsThatOfTheHeadingAtAnyAttitude) {
     // known to 2 % with 99.9 % confidence.
     std::mt19937 random(3);
     std::normal_distribution<double> normal;
-    for (const double pitch : {0.0, 6.0, -45.0, 80.0, 89.5}) {
+    for (const double pitch : {0.0, 6.0, -45.0, 80.0, 89.5, 89.9}) {
         const Matrix3d C_bn = dcm({.roll = 0.3, .pitch = pitch * kDegree, .heading = 1.0});
         const double size = 1e-3 * std::cos(pitch * kDegree);  // small beside the way to the zenith
         Matrix3d root;

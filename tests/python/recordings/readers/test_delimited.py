@@ -157,6 +157,12 @@ NAMES = [
         "dtheta_x dtheta_y dtheta_z",
         "dvel_x dvel_y dvel_z",
     ),
+    (
+        "SystemTov,DeltaTheta[0],DeltaTheta[1],DeltaTheta[2],DeltaVelocity[0],DeltaVelocity[1],DeltaVelocity[2]",
+        "DeltaTheta[0] DeltaTheta[1] DeltaTheta[2]",
+        "DeltaVelocity[0] DeltaVelocity[1] DeltaVelocity[2]",
+    ),
+    ("gpsTow,accX,accY,accZ,gyroX,gyroY,gyroZ", "gyroX gyroY gyroZ", "accX accY accZ"),
 ]
 
 
@@ -174,6 +180,55 @@ def test_a_velocity_down_is_turned() -> None:
         "vel_n",
         "-vel_d",
     )
+
+
+FIXES = [  # as an integrated unit, an autopilot and a receiver write them
+    (
+        "SystemTov,GpsTov,GnssLatitude,GnssLongitude,GnssAltitudeAboveEllipsoid,GnssVelocityN,GnssVelocityE,GnssVelocityD,"
+        "GnssStdvLat,GnssStdvLon,GnssStdvAlt,GnssStdvN,GnssStdvE,GnssStdvD",
+        {
+            "time": "SystemTov",
+            "position": "GnssLatitude GnssLongitude GnssAltitudeAboveEllipsoid",
+            "velocity": "GnssVelocityE GnssVelocityN -GnssVelocityD",
+            "position_sigma": "GnssStdvLon GnssStdvLat GnssStdvAlt",
+            "velocity_sigma": "GnssStdvE GnssStdvN GnssStdvD",
+        },
+    ),
+    (
+        "timestamp,lat,lon,alt,VelocityNED[0],VelocityNED[1],VelocityNED[2],VelocityStdvNED[0],VelocityStdvNED[1],"
+        "VelocityStdvNED[2]",
+        {
+            "time": "timestamp",
+            "velocity": "VelocityNED[1] VelocityNED[0] -VelocityNED[2]",
+            "velocity_sigma": "VelocityStdvNED[1] VelocityStdvNED[0] VelocityStdvNED[2]",
+        },
+    ),
+    (
+        "time,latitude,longitude,height,sdn,sde,sdu,vn,ve,vu,sdvn,sdve,sdvu",
+        {"position_sigma": "sde sdn sdu", "velocity_sigma": "sdve sdvn sdvu", "velocity": "ve vn vu"},
+    ),
+]
+
+
+@pytest.mark.parametrize(("header", "expected"), FIXES)
+def test_names_of_fixes_are_understood(header: str, expected: dict[str, str]) -> None:
+    found = likely(header.split(","))
+    assert {key: found[key] for key in expected} == {
+        key: tuple(names.split()) for key, names in expected.items()
+    }
+
+
+@pytest.mark.parametrize(
+    "header", ["SystemTov,EulerAttitude[0],EulerAttitude[1],EulerAttitude[2]", "t,rpy_1,rpy_2,rpy_3"]
+)
+def test_an_attitude_may_be_counted(header: str) -> None:
+    assert likely(header.split(","))["attitude"] == tuple(header.split(",")[1:])
+
+
+@pytest.mark.parametrize("header", ["t,w1,w2,w3,a1,a2,a3", "t,acc_0,acc_1,gyro_0,gyro_1"])
+def test_numbers_alone_are_no_axes(header: str) -> None:
+    """Speeds of wheels, channels of a logger, two of three axes."""
+    assert likely(header.split(",")).keys() == {"time"}
 
 
 UNITS = [
