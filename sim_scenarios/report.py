@@ -10,7 +10,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -277,6 +277,10 @@ def _of_recording(run: xr.Dataset, ends: list[outages.End]) -> list[Drawing]:
     return drawings
 
 
+CONTRADICTED: Final = ("inconsistent", "recovering")
+"""Statuses of a filter that measurements contradict."""
+
+
 def replay_converged(run: xr.Dataset) -> bool:
     """Whether the filter says at the end of a recording that its heading is to be relied on."""
     return bool(run["converged"].values[-1])
@@ -288,7 +292,11 @@ def replay_sentence(run: xr.Dataset) -> str:
         return "The filter reports convergence"
     if run.sizes["fix"] == 0:
         return f"The filter does not report convergence: no fix came, it is {status_at_end(run)} at the end"
-    return f"The filter does not report convergence: it is {status_at_end(run)} at the end"
+    status = status_at_end(run)
+    sentence = f"The filter does not report convergence: it is {status} at the end"
+    if status in CONTRADICTED:
+        return f"{sentence}. Its sensors may be worse than it was told: `truenorth derive` finds their noise"
+    return sentence
 
 
 def heading_at_end(run: xr.Dataset) -> dict[str, str]:

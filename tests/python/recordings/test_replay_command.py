@@ -206,3 +206,11 @@ def test_what_does_not_fit_is_refused(
     assert result.exit_code == 2, result.output
     assert message in " ".join(result.stderr.split())
     assert not (tmp_path / "out").exists()
+
+
+def test_a_filter_that_is_contradicted_is_told_of_derive(ship: Path, tmp_path: Path) -> None:
+    """Fixes of 0.1 m/s, told to be good to 1 mm/s."""
+    told = ["--set", "measurement.velocity_sigma=0.001", "--set", "measurement.position_sigma=0.01"]
+    result = truenorth("replay", ship, "--filter", "navigation", "--heading", 0, *told, "-o", tmp_path / "r")
+    assert result.exit_code == 1, result.output
+    assert "`truenorth derive` finds their noise" in " ".join(result.output.split())
