@@ -1,6 +1,6 @@
 # TrueNorth: every command of the project. `make help` lists them.
 .DEFAULT_GOAL := help
-.PHONY: help run test fmus fmus-all native bench bands lint format test-cpp test-python sanitize fuzz clean
+.PHONY: help run test fmus fmus-all native bench bands soak reproduce lint format test-cpp test-python sanitize fuzz clean
 
 PYTHON ?= python3
 VENV   := .venv
@@ -117,6 +117,12 @@ bench: native  ## Time per filter step, per FMI call, and of a whole run
 
 bands: fmus  ## Monte-Carlo check of the accuracy bands (ten minutes; SEEDS=10 for fewer runs)
 	@python -m sim_scenarios.bands $(if $(SEEDS),-n $(SEEDS))
+
+soak: fmus  ## 24 h of every model with every corrector, simulated (hours; SEEDS=1 for a single run of each)
+	@truenorth campaign soak $(if $(SEEDS),-n $(SEEDS)) --output build/reports/soak
+
+reproduce: fmus  ## Build the FMUs twice from nothing, and hold them against each other byte by byte (long)
+	@python -m pytest -q -m slow tests/fmus/test_determinism.py
 
 clean:  ## Remove everything generated, the environment excepted
 	@rm -rf build
