@@ -99,13 +99,14 @@ class ImuActivity {
     [[nodiscard]] const Rates& mean() const { return mean_; }  // of the last kMemory
     [[nodiscard]] Rates deviation() const { return variance_.sqrt(); }
 
-    // Rates over `count` lost samples before one of `next`: of a gap that is short beside the motion those of
-    // the next sample, of a longer one the usual ones.
+    // Rates over `count` lost samples before one of `next`: of a gap that is short beside the motion the
+    // middle between the samples on its sides, whose errors do not add up from gap to gap; of a longer one
+    // the usual ones.
     [[nodiscard]] Rates guess(const Rates& next, double count) const {
         if (!knows()) {
             return next;
         }
-        return (count * usual_step() < deviation()).select(next, mean_);
+        return (count * usual_step() < deviation()).select(0.5 * (last_ + next), mean_);
     }
 
     // By how much such a guess may be off.

@@ -91,6 +91,7 @@ void ImuInput::learn(const Interval& interval, Rates rates) {
     doubtful_angle_.setZero();
     doubtful_velocity_.setZero();
     const double lost = interval.resumes ? 0.0 : interval.lost;
+    bridged_ = lost;
     blind_ = interval.resumes ? interval.lost : 0.0;
     if (lost > 0.0) {
         fill(lost, rates);

@@ -69,6 +69,8 @@ class ImuInput {
     [[nodiscard]] double offset() const { return offset_; }         // of the sensor's clock [s]
     [[nodiscard]] bool any() const { return any_; }                 // a sample has been accepted
     [[nodiscard]] int gap() const { return gap_; }  // increments missed just before the last accepted one
+    // What the last accepted increment made up, for samples that did not come or were refused [s].
+    [[nodiscard]] double bridged() const { return bridged_; }
     [[nodiscard]] double blind_for() const { return blind_; }   // before it, of a gap that is not bridged [s]
     [[nodiscard]] Finding finding() const { return finding_; }  // of the last sample that was not stale
     // By how much the last accepted increment may be off beyond what the sensors' noise explains, body axes
@@ -88,10 +90,10 @@ class ImuInput {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(increment_, time_, offset_, clock_, heard_, suspected_, any_, gap_, blind_, seen_, accepted_,
-                refused_, refused_stamp_, rejected_, missed_, disagreements_, period_, stride_, new_stride_,
-                new_count_, new_strides_, jumps_, old_, doubtful_angle_, doubtful_velocity_, stuck_for_,
-                finding_, activity_);
+        archive(increment_, time_, offset_, clock_, heard_, suspected_, any_, gap_, bridged_, blind_, seen_,
+                accepted_, refused_, refused_stamp_, rejected_, missed_, disagreements_, period_, stride_,
+                new_stride_, new_count_, new_strides_, jumps_, old_, doubtful_angle_, doubtful_velocity_,
+                stuck_for_, finding_, activity_);
         new_strides_ = std::clamp(new_strides_, 0, 2);  // whatever a damaged state says
     }
 
@@ -132,6 +134,7 @@ class ImuInput {
     double suspected_ = -1e300;
     bool any_ = false;
     int gap_ = 0;
+    double bridged_ = 0.0;
     double blind_ = 0.0;
     int seen_ = 0;      // sample count last looked at
     int accepted_ = 0;  // sample count last accepted

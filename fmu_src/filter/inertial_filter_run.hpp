@@ -1,6 +1,8 @@
 // The run loop of inertial_filter.hpp.
 #pragma once
 
+#include <algorithm>
+
 #include "contract/text.hpp"
 #include "contract/time_tolerance.hpp"
 #include "filter/filter_settings.hpp"
@@ -25,6 +27,23 @@ inline Uncertainty travelled_unseen(double gap, const Eigen::Vector3d& velocity)
     const Eigen::Vector3d place(way, way, std::min(way, kHighest));
     return {.velocity = speed * speed * Eigen::Matrix3d::Identity(),
             .position = place.cwiseAbs2().asDiagonal()};
+}
+
+// By how much increments of `dt` [s] that may be off by `angle` [rad] and `velocity` [m/s], body axes, leave
+// a filter more uncertain. An attitude that goes astray over that time takes gravity for an acceleration in
+// the mean by half of what it is off in the end.
+inline Uncertainty left_out(const Eigen::Quaterniond& q_bn, const Eigen::Vector3d& angle,
+                            const Eigen::Vector3d& velocity, double dt) {
+    constexpr double kGravity = 9.8;  // [m/s2]
+    const Eigen::Matrix3d C_bn = q_bn.toRotationMatrix();
+    const auto turned = [&C_bn](const Eigen::Vector3d& sigma) -> Eigen::Matrix3d {
+        return C_bn * sigma.cwiseAbs2().asDiagonal() * C_bn.transpose();
+    };
+    const Eigen::Matrix3d attitude = turned(angle);
+    const double fallen = 0.5 * kGravity * dt;  // [m/s]
+    const Eigen::Vector3d astray = fallen * fallen * Eigen::Vector3d(attitude(1, 1), attitude(0, 0), 0.0);
+    const Eigen::Matrix3d variance = turned(velocity) + Eigen::Matrix3d(astray.asDiagonal());
+    return {.attitude = attitude, .velocity = variance, .position = 0.25 * dt * dt * variance};
 }
 
 // Finite, and where and as fast as a fix may be, with something to spare.
@@ -269,8 +288,7 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
     // been long in coming.
     const bool was_blind = verdict == ImuInput::Verdict::resumed && imu_.blind_for() > 0.0;
     warn_of_long_interval();
-    const bool long_gap = imu_.gap() > 0 && imu_.increment().dt > kLongestGoodInterval;
-    if (verdict == ImuInput::Verdict::resumed || long_gap) {
+    if (verdict == ImuInput::Verdict::resumed || imu_.bridged() > kLongestGoodInterval) {
         give_up_waiting();  // what came in a long gap is nowhere near what is known of it
     }
     const Prediction prediction = std::visit(
@@ -293,17 +311,15 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
                 last_fix_ = imu_.time();
             }
             const NavigationState before = engine.mechanisation().state;
-            const Prediction outcome = engine.mechanise(imu_.increment());
+            Prediction outcome = engine.mechanise(imu_.increment());
             if (!imu_.doubtful_angle().isZero(0.0) || !imu_.doubtful_velocity().isZero(0.0)) {
-                const Eigen::Matrix3d C_bn = engine.mechanisation().state.q_bn.toRotationMatrix();
-                const auto turned = [&C_bn](const Eigen::Vector3d& sigma) -> Eigen::Matrix3d {
-                    return C_bn * sigma.cwiseAbs2().asDiagonal() * C_bn.transpose();
-                };
-                Uncertainty more{.attitude = turned(imu_.doubtful_angle()),
-                                 .velocity = turned(imu_.doubtful_velocity())};
-                if (engine.pending() <= 0.0) {  // or the prediction to come will carry it to the position
-                    more.position = turned(0.5 * imu_.increment().dt * imu_.doubtful_velocity());
+                // What the increments left out is off at their end, and not from where a prediction still to
+                // come would begin.
+                if (engine.pending() > 0.0) {
+                    outcome = std::max(outcome, engine.predict());
                 }
+                const Uncertainty more = left_out(engine.mechanisation().state.q_bn, imu_.doubtful_angle(),
+                                                  imu_.doubtful_velocity(), imu_.increment().dt);
                 engine.add_uncertainty(more);
                 ledger_.doubt(more.attitude.diagonal());
             }
@@ -346,7 +362,7 @@ void InertialFilter<Interface, Engines...>::tell_of(ImuInput::Verdict verdict) {
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::warn_of_long_interval() {
     const double interval = imu_.increment().dt;
-    if (told_long_interval_ || imu_.gap() > 0 || interval <= kLongestGoodInterval + kTimeTolerance) {
+    if (told_long_interval_ || imu_.bridged() > 0.0 || interval <= kLongestGoodInterval + kTimeTolerance) {
         return;
     }
     told_long_interval_ = true;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 namespace truenorth {
@@ -170,7 +171,7 @@ TEST_F(ImuInputTest, RejectsRatesInPlaceOfIncrementsAndComesBack) {
     }
 }
 
-TEST_F(ImuInputTest, BridgesMissedSamplesWithTheMeanRateOfTheNext) {
+TEST_F(ImuInputTest, BridgesMissedSamplesWithTheRateOfTheNextWhileItKnowsLittle) {
     read(1, 100.01);
     EXPECT_EQ(read(4, 100.04), Verdict::accepted);
     EXPECT_EQ(imu.gap(), 2);
@@ -217,6 +218,55 @@ TEST_F(ImuInputTest, DoubtsWhatItMadeUpTheMoreTheLongerTheGap) {
         run(1);
         EXPECT_TRUE(imu.doubtful_angle().isZero(0.0));
     }
+}
+
+TEST_F(ImuInputTest, WhatItMadeUpIsTheSameWhetherSamplesWereRefusedOrNeverCame) {
+    for (const bool refused : {false, true}) {
+        imu.start(100.0);
+        sample = 0;
+        time = clock = 100.0;
+        run(500);
+        for (int k = 0; k < 300; ++k) {
+            ++sample;
+            time += kPeriod;
+            clock += kPeriod;
+            if (refused) {
+                EXPECT_EQ(imu.read(sample, time, kNaN * kAngle, kVelocity, clock), Verdict::rejected);
+            }
+        }
+        run(1);
+        EXPECT_NEAR(imu.bridged(), 3.0, 1e-9) << refused;
+        EXPECT_EQ(imu.gap(), refused ? 0 : 300);
+        run(1);
+        EXPECT_EQ(imu.bridged(), 0.0);
+    }
+}
+
+TEST_F(ImuInputTest, GapsOfASampleAreFilledFromBothSides) {
+    // Of the roll of a ship, every other sample from rest to the fastest: its integral comes out right, where
+    // the next sample in the place of the lost one would make it half an increment too large.
+    constexpr double kAmplitude = 1e-3;  // of the increments [rad]
+    constexpr int kQuarter = 200;        // of its period [samples]
+    const auto roll = [](int k) -> Vector3d {
+        return {kAmplitude * std::sin(0.5 * std::numbers::pi * k / kQuarter), 2e-3, 3e-3};
+    };
+    double sum = 0.0;
+    double true_sum = 0.0;
+    for (int k = 1; k <= 13 * kQuarter; ++k) {
+        ++sample;
+        time += kPeriod;
+        clock += kPeriod;
+        const bool half = k > 12 * kQuarter;
+        if (!half || k % 2 == 0) {
+            ASSERT_EQ(imu.read(sample, time, roll(k), kVelocity, clock), Verdict::accepted);
+        }
+        if (half) {
+            true_sum += roll(k).x();
+            sum += k % 2 == 0 ? imu.increment().delta_angle.x() : 0.0;
+        }
+    }
+    EXPECT_EQ(imu.missed(), kQuarter / 2);
+    EXPECT_NEAR(sum, true_sum, 0.01 * kAmplitude);
 }
 
 TEST_F(ImuInputTest, AfterTheCountHasBeenResetMissesNothing) {

@@ -17,7 +17,7 @@ from sim_scenarios.fmus import Fmus
 from sim_scenarios.stepping import Order
 
 BEGIN = 400.0
-MODELS = {
+MODELS: dict[str, dict[str, str]] = {
     "large_azimuth": {},
     "invariant": {"error_model": "invariant", "predictor": "linearised", "corrector": "standard"},
 }
@@ -93,11 +93,36 @@ def test_a_silent_imu_is_told_within_seconds_and_nothing_is_converged(
     assert float(data["imu.silent_for"][-1]) == pytest.approx(600.0 - BEGIN, abs=0.1)
 
 
-@pytest.mark.parametrize("seconds", [1.0, 5.0, 20.0])
-def test_after_silence_the_filter_is_right_again(seconds: float, model: dict[str, str], fmus: Fmus) -> None:
-    data = run("waves", fmus, silence(BEGIN + seconds), settings={**model, "duration": 800.0})
+@pytest.mark.parametrize("fault", [silence, nans])
+@pytest.mark.parametrize("seconds", [1.0, 5.0, 8.6, 20.0])
+def test_after_silence_the_filter_is_right_again(
+    fault: Callable[[float], Fault], seconds: float, model: dict[str, str], fmus: Fmus
+) -> None:
+    data = run("waves", fmus, fault(BEGIN + seconds), settings={**model, "duration": 800.0})
     sound(data)
     assert data["converged"][-1]
+
+
+@pytest.mark.parametrize("kind", ["silence", "not_a_number", "zeros"])
+@pytest.mark.parametrize("seed", [2, 5])
+def test_fixes_that_came_in_a_long_gap_teach_nothing(kind: str, seed: int, fmus: Fmus) -> None:
+    """Samples that were refused are as lost as those that never came.
+
+    A ship rolls by 7 deg, so that 8.6 s leave the tilt as wrong as that: the velocity runs away until the first fix
+    after the gap, and the filter may not take the next ones for outliers.
+    """
+    settings = {
+        **MODELS["invariant"],
+        "fault.imu.kind": kind,
+        "fault.imu.begin": 343.2,
+        "fault.imu.duration": 8.6,
+        "duration": 600.0,
+    }
+    data = run("swaying_ship", fmus, lambda _, __: None, seed=seed, settings=settings)
+    sound(data)
+    after = between(data, 343.2 + 8.6 + 10.0, 600.0)
+    assert float(np.abs(after["velocity_error"].values[:, :2]).max()) < 1.0
+    assert float(np.degrees(np.abs(after["nav.roll"].values - after["truth.roll"].values).max())) < 1.0
 
 
 def count_jump(n: int) -> Fault:
@@ -268,3 +293,18 @@ def test_fixes_are_used_although_every_other_sample_is_no_use(kind: str, fmus: F
     assert int(data["missed_samples"][-1] + data["rejected_samples"][-1]) > 500
     assert int(data["used_fixes"][-1]) >= 58
     assert not np.any(data["status"].values == STATUS["coasting"])
+
+
+@pytest.mark.parametrize("kind", ["repeated", "reordered"])
+@pytest.mark.parametrize("seed", [1, 4])
+def test_gaps_of_a_sample_do_not_add_up(kind: str, seed: int, model: dict[str, str], fmus: Fmus) -> None:
+    """Half of the samples of 4 s are lost: what is put in their place is off as often one way as the other."""
+    settings = {
+        **model,
+        "fault.imu.kind": kind,
+        "fault.imu.begin": 306.9,
+        "fault.imu.duration": 4.4,
+        "duration": 600.0,
+    }
+    data = run("swaying_ship", fmus, lambda _, __: None, seed=seed, settings=settings)
+    sound(data)
