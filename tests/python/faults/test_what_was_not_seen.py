@@ -58,6 +58,30 @@ def test_a_turn_that_no_sample_tells_is_doubted(model: str, drive: Drive, fmus: 
     assert any("after a gap that cannot be bridged" in text for text in messages)
 
 
+@pytest.mark.parametrize("seconds", [1.5, 8.6])
+@pytest.mark.parametrize("refused", [False, True])
+@pytest.mark.parametrize("model", ["loose", "full_state", "invariant"])
+def test_fixes_from_inside_a_gap_teach_nothing(
+    model: str, refused: bool, seconds: float, drive: Drive, fmus: Fmus
+) -> None:
+    """34 fixes come in 8.6 s whose samples do not, or are no numbers, while the vehicle turns."""
+    first, last = round(102 * RATE), round((102 + seconds) * RATE)
+    columns = dict(drive.columns)
+    for name in [name for name in columns if name.startswith("imu.")]:
+        columns[name] = columns[name].copy()
+        if not refused:
+            columns[name][first:last] = columns[name][first]
+        elif name.startswith("imu.delta"):
+            columns[name][first:last] = np.nan
+    out, heading, _ = fed(fmus, drive, columns, error_model=model, predictor="linearised")
+    assert not out["converged"][first // EVERY + 10 : last // EVERY].any()
+    wrong = out["converged"].astype(bool) & (np.abs(heading) > 3 * out["heading_sigma"])
+    assert wrong.sum() * EVERY / RATE <= 0.5  # until silence is one
+    horizontal, _ = drive.errors(out, np.arange(0, len(drive.time), EVERY))
+    assert np.max(horizontal[(last + round(15 * RATE)) // EVERY :]) < 0.2
+    assert abs(heading[-1]) < min(2 * DEGREE, 3 * out["heading_sigma"][-1])
+
+
 def handed(heading: float, gyro: float) -> dict[str, float]:
     """A covariance that an alignment hands over, of these sigmas [rad], [rad/s], the rest as the prior."""
     sigma = [DEGREE, DEGREE, heading, *3 * [0.1], *3 * [gyro], *3 * [0.1]]
