@@ -108,8 +108,8 @@ def test_after_silence_the_filter_is_right_again(
 def test_fixes_that_came_in_a_long_gap_teach_nothing(kind: str, seed: int, fmus: Fmus) -> None:
     """Samples that were refused are as lost as those that never came.
 
-    A ship rolls by 7 deg, so that 8.6 s leave the tilt as wrong as that: the velocity runs away until the first fix
-    after the gap, and the filter may not take the next ones for outliers.
+    A ship rolls by 7 deg, so that 8.6 s leave the tilt as wrong as that: the velocity runs away until the
+    first fix after the gap, and the filter may not take the next ones for outliers.
     """
     settings = {
         **MODELS["invariant"],
@@ -298,7 +298,7 @@ def test_fixes_are_used_although_every_other_sample_is_no_use(kind: str, fmus: F
 @pytest.mark.parametrize("kind", ["repeated", "reordered"])
 @pytest.mark.parametrize("seed", [1, 4])
 def test_gaps_of_a_sample_do_not_add_up(kind: str, seed: int, model: dict[str, str], fmus: Fmus) -> None:
-    """Half of the samples of 4 s are lost: what is put in their place is off as often one way as the other."""
+    """Half of the samples of 4 s are lost: what is put in their place is off one way or the other."""
     settings = {
         **model,
         "fault.imu.kind": kind,
