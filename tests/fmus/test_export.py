@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import hashlib
+import json
 import zipfile
 from contextlib import closing
 from pathlib import Path
@@ -18,6 +20,7 @@ from typer.testing import CliRunner
 
 from sim_scenarios.cli.application import app
 from sim_scenarios.exchange import STEP, System, export
+from sim_scenarios.exchange.evidence import FOLDER
 from sim_scenarios.exchange.forms import FORMS, Form
 from sim_scenarios.exchange.system import of_scenario
 from sim_scenarios.fmus import Fmu, Fmus
@@ -228,3 +231,29 @@ def test_a_skeleton_begins_as_the_inputs_do(folder: Path) -> None:
         inputs = (folder / "reference" / place / "AlignmentFilter_in.csv").read_text()
         assert inputs.startswith(skeleton)
         assert len(skeleton.splitlines()) == 3
+
+
+def test_the_evidence_is_that_of_the_fmus_and_settings(folder: Path, fmus: Fmus) -> None:
+    """Provenance and bill of materials, beside the FMUs and in each of them."""
+    said = json.loads((folder / "provenance.json").read_text())
+    assert said["scenario"] == "swaying_ship"
+    assert said["settings"] == {**SHORT, "seed": None}
+    assert said["communication_step"] == STEP
+    assert said["stop_time"] == SHORT["duration"]
+    built = {name: hashlib.sha256(fmus[name].path.read_bytes()).hexdigest() for name in said["fmus"]}
+    assert built.keys() == {"TruthPlant", "AlignmentFilter"}
+    assert {name: fmu["sha256"] for name, fmu in said["fmus"].items()} == built
+    assert all(fmu["compilers"].values() for fmu in said["fmus"].values())
+    bill = json.loads((folder / "sbom.cdx.json").read_text())
+    assert (bill["bomFormat"], bill["specVersion"]) == ("CycloneDX", "1.5")
+    parts = {part["name"]: part for part in bill["components"]}
+    assert {name: parts[name]["hashes"][0]["content"] for name in built} == built
+    licences = {name: part["licenses"][0]["license"]["id"] for name, part in parts.items()}
+    assert (
+        licences.items()
+        >= {"Eigen": "MPL-2.0", "cereal": "BSD-3-Clause", "TruthPlant": "BSD-3-Clause"}.items()
+    )
+    assert parts["Eigen"]["version"].startswith("3.4")
+    with zipfile.ZipFile(folder / "fmi2" / "AlignmentFilter.fmu") as content:
+        for name in ("provenance.json", "sbom.cdx.json"):
+            assert content.read(f"{FOLDER}/{name}") == (folder / name).read_bytes()
