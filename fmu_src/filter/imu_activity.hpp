@@ -64,6 +64,8 @@ class ImuActivity {
             const double off = rates(axis) - mean_(axis);
             mean_(axis) += share * off;
             variance_(axis) = (1.0 - share) * (variance_(axis) + share * off * off);
+            strayed_(axis) = (1.0 - dt / kMemory) * strayed_(axis) + off * dt;
+            squared_stray_(axis) += share * (strayed_(axis) * strayed_(axis) - squared_stray_(axis));
         }
         last_ = rates;
         last_dt_ = dt;
@@ -109,18 +111,23 @@ class ImuActivity {
         return (count * usual_step() < deviation()).select(0.5 * (last_ + next), mean_);
     }
 
-    // By how much such a guess may be off.
-    [[nodiscard]] Rates doubt(const Rates& next, double count) const {
+    // By how much such a guess may be off over the `lost` seconds of these samples [rad], [m/s]. What swings
+    // strays no farther than it usually does, in one direction before the gap and in the other after it.
+    [[nodiscard]] Rates doubt(const Rates& next, double count, double lost) const {
         if (!knows()) {
-            return (next - last_).abs();
+            return lost * (next - last_).abs();
         }
-        return (count * usual_step()).min(deviation()).max((next - last_).abs().min(deviation()));
+        const Rates rate = (count * usual_step()).min(deviation()).max((next - last_).abs().min(deviation()));
+        if (known_ < kMemory) {
+            return lost * rate;
+        }
+        return (lost * rate).min(2.0 * squared_stray_.sqrt());
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(last_, last_dt_, mean_, variance_, squared_step_, restless_, known_, samples_, run_,
-                longest_run_);
+        archive(last_, last_dt_, mean_, variance_, strayed_, squared_stray_, squared_step_, restless_, known_,
+                samples_, run_, longest_run_);
         for (std::array<int, 6>* runs : {&run_, &longest_run_}) {
             for (int& run : *runs) {
                 run = std::clamp(run, 0, kMostRun);  // whatever a damaged state says
@@ -138,11 +145,13 @@ class ImuActivity {
     double last_dt_ = 0.0;  // [s]
     Rates mean_ = Rates::Zero();
     Rates variance_ = Rates::Zero();
-    Rates squared_step_ = Rates::Zero();  // mean square of the change from sample to sample
-    Rates restless_ = Rates::Zero();      // share of the samples that changed, runs left out
-    double known_ = 0.0;                  // time that mean and variance stand for [s]
-    int samples_ = 0;                     // counted up to kStepSamples
-    std::array<int, 6> run_{};            // samples in which the axis has not changed
+    Rates strayed_ = Rates::Zero();        // what rates beyond the mean have added up to of late [rad], [m/s]
+    Rates squared_stray_ = Rates::Zero();  // mean square of it
+    Rates squared_step_ = Rates::Zero();   // mean square of the change from sample to sample
+    Rates restless_ = Rates::Zero();       // share of the samples that changed, runs left out
+    double known_ = 0.0;                   // time that mean and variance stand for [s]
+    int samples_ = 0;                      // counted up to kStepSamples
+    std::array<int, 6> run_{};             // samples in which the axis has not changed
     std::array<int, 6> longest_run_{};
 };
 

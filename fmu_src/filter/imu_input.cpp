@@ -232,7 +232,7 @@ void ImuInput::learn_stride(std::int64_t count, double dt) {
 void ImuInput::fill(double lost, const Rates& rates) {
     const double count = lost / increment_.dt;
     const Rates guess = lost * activity_.guess(rates, count);
-    const Rates doubt = lost * activity_.doubt(rates, count);
+    const Rates doubt = activity_.doubt(rates, count, lost);
     increment_.dt += lost;
     increment_.delta_angle += guess.head<3>().matrix();
     increment_.delta_velocity += guess.tail<3>().matrix();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace truenorth {
 namespace {
@@ -40,6 +41,42 @@ TEST(ImuActivity, FindsAnAxisThatStandsStillWhateverTheRoundingOfTheStamps) {
             EXPECT_EQ(stuck.count(), 1) << start << increment;
         }
     }
+}
+
+TEST(ImuActivity, WhatSwingsIsDoubtedByItsSwingHoweverLongTheGap) {
+    // A roll of an amplitude of 0.1 rad: over a gap it changes by 0.2 rad at most, and by 0.1 sqrt(2) rad as
+    // a standard deviation of two times at random.
+    constexpr double kAmplitude = 0.1;  // [rad]
+    constexpr double kPeriod = 8.0;     // [s]
+    constexpr double kOmega = 2.0 * std::numbers::pi / kPeriod;
+    ImuActivity activity;
+    Rates rates = Rates::Zero();
+    const auto swing = [&](int k) {
+        rates(0) = kAmplitude * kOmega * std::cos(kOmega * 0.01 * k);
+        rates(5) = 9.8;
+        activity.add(rates, 0.01);
+    };
+    for (int k = 0; k < 12000; ++k) {
+        swing(k);
+    }
+    for (const double lost : {5.0, 8.6, 10.0}) {
+        EXPECT_NEAR(activity.doubt(rates, lost / 0.01, lost)(0), std::numbers::sqrt2 * kAmplitude,
+                    0.2 * kAmplitude)
+            << lost;
+    }
+    EXPECT_LT(activity.doubt(rates, 1.0, 0.01)(0), 1e-3 * kAmplitude);
+}
+
+TEST(ImuActivity, ATurnIsDoubtedAsFarAsItGoes) {
+    // A vehicle that turns this way and that by more than a rad, over longer than is remembered.
+    ImuActivity activity;
+    Rates rates = Rates::Zero();
+    for (int k = 0; k < 6000; ++k) {
+        rates(2) = 0.3 * std::sin(2.0 * std::numbers::pi * 0.01 * k / 40.0);
+        rates(5) = 9.8;
+        activity.add(rates, 0.01);
+    }
+    EXPECT_GT(activity.doubt(rates, 860.0, 8.6)(2), 1.0);
 }
 
 // One second of motion, then a fault of an axis, again and again: that it has stood still for long once does
