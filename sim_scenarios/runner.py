@@ -16,6 +16,7 @@ from sim_scenarios.container import Container, obstacle
 from sim_scenarios.cosimulation import Recorded
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu, Fmus, Number
+from sim_scenarios.recording import FIX_OUTPUTS
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.stepping import Master
 from sim_scenarios.timeline import instants
@@ -28,9 +29,9 @@ class Runner:
 
     Parameters
     ----------
-    outputs, fix_outputs : sequence of str
-        Outputs of a filter, arrays by their base name, that a container records periodically and at fixes,
-        where the filter has them. The Python master records all.
+    outputs : sequence of str
+        Outputs of a filter, arrays by their base name, that a container records, at every recorded instant or
+        at fixes (`recording.FIX_OUTPUTS`), where the filter has them. The Python master records all.
     master : Master
     fmus : Fmus, optional
         Those that are loaded already.
@@ -39,12 +40,13 @@ class Runner:
     def __init__(
         self,
         outputs: Sequence[str],
-        fix_outputs: Sequence[str],
         master: Master = Master.auto,
         fmus: Fmus | None = None,
     ) -> None:
         self.fmus = fmus or Fmus()
-        self._recorded = outputs, fix_outputs
+        self._recorded = tuple(
+            [name for name in outputs if (name in FIX_OUTPUTS) is at_fixes] for at_fixes in (False, True)
+        )
         self._master = master
         self._containers: dict[tuple[tuple[str, ...], float], Container] = {}
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from sim_scenarios import faults, recording, simulation
 from sim_scenarios.campaigns.plan import Case, filters_of
-from sim_scenarios.campaigns.quantities import FIGURES, FIX_OUTPUTS, OUTPUTS, SERIES, kept
+from sim_scenarios.campaigns.quantities import SERIES, figures, kept, outputs
 from sim_scenarios.campaigns.store import State
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmus
@@ -46,7 +46,7 @@ class Bench:
     """
 
     def __init__(self, period: float, master: Master = Master.auto, fmus: Fmus | None = None) -> None:
-        self.runner = Runner(OUTPUTS, FIX_OUTPUTS, master, fmus)
+        self.runner = Runner(outputs(), master, fmus)
         self.fmus = self.runner.fmus
         self._period = period
 
@@ -98,7 +98,7 @@ def arranged(
     """Values and states of runs as they are stored: shapes (filters, runs[, times]) and (filters, runs)."""
     shape = len(filters), len(outcomes)
     values = {name: np.full((*shape, times), np.nan) for name in SERIES}
-    values |= {name: np.full(shape, np.nan) for name in FIGURES}
+    values |= {name: np.full(shape, np.nan) for name in figures()}
     state = np.full(shape, State.absent, dtype=np.int8)
     for r, outcome in enumerate(outcomes):
         for f, label in enumerate(filters):
