@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios import recording, simulation
+from sim_scenarios import provenance, recording, simulation
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
@@ -245,7 +245,7 @@ def _run(
         data = simulation.dataset(recorded, loaded, runner.fmus, list(labels))
     else:
         data = runner.simulated(loaded, filters, runner.uses_container(loaded))
-    data.attrs = simulation.attributes(loaded, runner.fmus)
+    data.attrs = provenance.attributes(loaded, runner.fmus)
     return data
 
 

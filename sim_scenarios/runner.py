@@ -11,7 +11,7 @@ from contextlib import ExitStack
 
 import xarray as xr
 
-from sim_scenarios import ports, simulation
+from sim_scenarios import connection, ports, simulation
 from sim_scenarios.container import Container, obstacle
 from sim_scenarios.cosimulation import Recorded
 from sim_scenarios.errors import InputError
@@ -69,17 +69,17 @@ class Runner:
 
     def _record(self, scenario: Scenario, filters: Filters) -> Recorded:
         with ExitStack() as stack:
-            plant = simulation.start_plant(scenario, self.fmus, stack)
-            truth = dict(zip(simulation.TRUTH, plant.read(simulation.TRUTH), strict=True))
-        start = simulation.initial_values(scenario, self.fmus.plant, truth)
+            plant = connection.start_plant(scenario, self.fmus, stack)
+            truth = dict(zip(connection.TRUTH, plant.read(connection.TRUTH), strict=True))
+        start = connection.initial_values(scenario, self.fmus.plant, truth)
         names = tuple(map(scenario.fmu_of, filters))
         return self._container(scenario, names).record(
             scenario.plant,
             [
-                simulation.filter_values(self.fmus[name], start, values)
+                connection.filter_values(self.fmus[name], start, values)
                 for name, values in zip(names, filters.values(), strict=True)
             ],
-            instants(scenario.duration, scenario.communication_step, simulation.stride(scenario)),
+            instants(scenario.duration, scenario.communication_step, connection.stride(scenario)),
         )
 
     def _container(self, scenario: Scenario, names: tuple[str, ...]) -> Container:
@@ -102,7 +102,7 @@ def why_no_container(scenario: Scenario, fmus: Fmus) -> str | None:
     """Why a container cannot do a scenario; None if it can."""
     if scenario.alignment is not None:
         return "the container does not pass an alignment on to navigation"
-    rate = float(simulation.parameter(scenario, fmus.plant, "gnss.rate"))
+    rate = float(connection.parameter(scenario, fmus.plant, "gnss.rate"))
     return obstacle(scenario.recording_period, rate)
 
 

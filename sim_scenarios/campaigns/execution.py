@@ -26,7 +26,7 @@ from dask.system import CPU_COUNT
 from distributed import Client, Security
 from distributed.scheduler import KilledWorker
 
-from sim_scenarios import simulation
+from sim_scenarios import provenance
 from sim_scenarios.campaigns import runs, store
 from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
 from sim_scenarios.campaigns.quantities import figures
@@ -253,7 +253,7 @@ def bounds(workers: Workers, made: Sequence[Case], fmus: Fmus) -> list[xr.Datase
         if case.unfaulted is None:
             return found[case.label]
         bound = found[case.unfaulted]
-        result: xr.Dataset = bound.assign_attrs({**bound.attrs, **simulation.attributes(case.scenario, fmus)})
+        result: xr.Dataset = bound.assign_attrs({**bound.attrs, **provenance.attributes(case.scenario, fmus)})
         return result
 
     return [of(case) for case in made]

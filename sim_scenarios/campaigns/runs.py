@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios import faults, recording, simulation
+from sim_scenarios import faults, provenance, recording, scenario_bound
 from sim_scenarios.campaigns.plan import Case, filters_of
 from sim_scenarios.campaigns.quantities import SERIES, figures, kept, outputs
 from sim_scenarios.campaigns.store import State
@@ -114,10 +114,10 @@ def bound(case: Case, fmus: Fmus) -> xr.Dataset:
     The true motion is the same for all seeds, and so is the bound, unless more of the plant than its faults
     is drawn.
     """
-    unknown = xr.Dataset(attrs=simulation.attributes(case.scenario, fmus))
+    unknown = xr.Dataset(attrs=provenance.attributes(case.scenario, fmus))
     if any(one.part == "plant" and not faults.concerns(one.name) for one in case.draws):
         return unknown
     try:
-        return simulation.bound_of(case.scenario, fmus)
+        return scenario_bound.bound_of(case.scenario, fmus)
     except InputError:
         return unknown

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim_scenarios import markdown
+from sim_scenarios.connection import parameter
 from sim_scenarios.ensemble import Ensemble
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import filled
@@ -23,7 +24,6 @@ from sim_scenarios.papers.reproduction import Result
 from sim_scenarios.plots.ensemble import converged, drawn
 from sim_scenarios.plots.style import png
 from sim_scenarios.scenario import Scenario
-from sim_scenarios.simulation import parameter
 
 Array = NDArray[np.float64]
 

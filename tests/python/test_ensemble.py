@@ -17,10 +17,10 @@ from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import figures, judge
 from sim_scenarios.metrics.figures import FIGURES
 from sim_scenarios.processes import processes
+from sim_scenarios.provenance import attributes
 from sim_scenarios.recording import of_filter
 from sim_scenarios.runner import Runner, why_no_container
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.simulation import attributes
 from sim_scenarios.units import ARCMIN
 
 SHORT = {"duration": 40.0, "evaluation.start": 20.0}

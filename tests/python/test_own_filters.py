@@ -29,11 +29,11 @@ from sim_scenarios.fmus import SIGNALS, Fmus
 from sim_scenarios.matrix import judged
 from sim_scenarios.metrics import judge
 from sim_scenarios.metrics.navigation import NavigationVerdict
+from sim_scenarios.provenance import attributes
 from sim_scenarios.recording import of_filter
 from sim_scenarios.report import comparison_table, report_comparison, report_run
 from sim_scenarios.runner import why_no_container
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.simulation import attributes
 from sim_scenarios.stepping import Master
 
 SCENARIO = """

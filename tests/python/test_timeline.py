@@ -11,7 +11,7 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim_scenarios import simulation
+from sim_scenarios import provenance
 from sim_scenarios.campaigns.quantities import kept
 from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.container import obstacle
@@ -44,7 +44,7 @@ def one_run(fmus: Fmus) -> OneRun:
     bench, filters = Bench(1.0, fmus=fmus), {"EKF": scenario.filters()["EKF"]}
     master, container = (bench.runner.simulated(scenario, filters, container=by) for by in (False, True))
     for data in (master, container):
-        data.attrs = simulation.attributes(scenario, fmus)
+        data.attrs = provenance.attributes(scenario, fmus)
     return OneRun(master, container)
 
 

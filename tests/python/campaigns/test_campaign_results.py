@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 import sim_scenarios
+from sim_scenarios import provenance
 from sim_scenarios.campaigns import campaign
 from sim_scenarios.campaigns.plan import cases, load_plan
 from sim_scenarios.campaigns.quantities import KEPT, SERIES
@@ -85,7 +86,7 @@ def test_a_filter_that_fails_leaves_the_others_alone(fmus: Fmus, tmp_path: Path)
     path = tmp_path / "plan.toml"
     path.write_text('scenarios = ["waves"]\n[filters.good]\n[filters.bad]\n"robust.gamma" = -1.0\n')
     (case,) = cases(load_plan(path, set=SETTINGS), fmus)
-    attributes = sim_scenarios.simulation.attributes(case.scenario, fmus)
+    attributes = provenance.attributes(case.scenario, fmus)
     outcome = Bench(1.0, Master.auto, fmus).run(case, 1, attributes)
     assert outcome.state == {"good": State.finished, "bad": State.failed}
     assert "bad (AlignmentFilter) failed" in outcome.failure
