@@ -28,7 +28,7 @@ SHORT = {"duration": 40.0, "evaluation.start": 20.0}
 
 def test_a_figure_is_taken_over_its_window_in_its_unit() -> None:
     headings = np.array([[60.0, 8, 1, 1, 7], [60.0, 8, 1, 1, 1]]) * ARCMIN
-    how = {"window": (2.0, 4.0), "limit": 5 * ARCMIN, "position": [3.0, 4.0, 7.0]}
+    how = {"window": (2.0, 4.0), "limit": 5.1 * ARCMIN, "position": [3.0, 4.0, 7.0]}
     runs = Ensemble(
         {
             label: [run_with(np.arange(5.0), heading=size * heading, **how) for heading in headings]
