@@ -8,6 +8,7 @@ package of somebody else's adds one by an entry point of the group `truenorth.fi
 
 whose function is marked as a figure::
 
+    import numpy as np
     from sim_scenarios.metrics.errors import ERRORS
     from sim_scenarios.metrics.figures import figure
     from sim_scenarios.timeline import within

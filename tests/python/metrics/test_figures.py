@@ -120,7 +120,7 @@ def test_root_mean_squares_of_two_runs_are_folded_over_both_or_meant() -> None:
 
 
 def test_settling_is_of_the_root_mean_square_over_runs() -> None:
-    runs = runs_with([3.0, 1.0, 1.0, 0.0], [3.0, 1.0, 0.5, 0.0])
+    runs = runs_with([3.0, 1.0, 0.95, 0.0], [3.0, 1.0, 0.8, 0.0])
     assert folded("settling", runs) == 2.0
     assert FIGURES["settling"].of_each(runs, (0.0, 3.0)).tolist() == [3.0, 2.0]
     assert folded("settling", runs_with([2.0, 2.0])) == np.inf
