@@ -71,7 +71,7 @@ class Band:
         if self.minus:
             return "largest difference [SI]"
         figure = known()[self.figure]
-        return figure.title if self.over else figure.heading
+        return figure.title if self.over else figure.label
 
 
 @dataclass(frozen=True)

@@ -102,11 +102,14 @@ def errors(case: CaseSummary) -> Rows:
 
 def own_figures(case: CaseSummary) -> Rows:
     """Figures that other packages add, the heading of the table first; empty without any."""
-    names = next(({**one.own} for one in case.filters.values()), {})
-    if not names:
+    figures = {
+        name: figure
+        for name, figure in own().items()
+        if all(name in one.own for one in case.filters.values())
+    }
+    if not figures:
         return []
-    figures = {name: own()[name] for name in names}
-    rows = [["filter", *(figure.heading for figure in figures.values())]]
+    rows = [["filter", *(f"{figure.label}\n{figure.fold.name}" for figure in figures.values())]]
     for label, one in case.filters.items():
         values = [interval(one.own[name] / figure.reading.size) for name, figure in figures.items()]
         rows.append([label, *values])

@@ -110,7 +110,7 @@ class Figure:
         return reading(self.unit)
 
     @property
-    def heading(self) -> str:
+    def label(self) -> str:
         """Title with the unit in which people read it."""
         sign = self.reading.sign
         return f"{self.title} [{sign}]" if sign else self.title
@@ -165,23 +165,27 @@ def certainty_of(run: xr.Dataset) -> Certainty:
     return certainty.of_run(run if handed is None or not handed.in_time else recording.under_way(run))
 
 
+def _held(run: xr.Dataset, values: Array, span: Window) -> Array:
+    return within(run["time"].values, values, *span)
+
+
 def _rmse(name: str) -> Of:
     error = ERRORS[name]
-    return lambda run, span: rms(within(run["time"].values, error.of(run), *span))
+    return lambda run, span: rms(_held(run, error.of(run), span))
 
 
 def _at_end(name: str) -> Of:
     error = ERRORS[name]
-    return lambda run, span: float(abs(within(run["time"].values, error.size(run), *span)[-1]))
+    return lambda run, span: float(abs(_held(run, error.size(run), span)[-1]))
 
 
 def _largest(name: str) -> Of:
     error = ERRORS[name]
-    return lambda run, span: float(np.max(np.abs(within(run["time"].values, error.of(run), *span))))
+    return lambda run, span: float(np.max(np.abs(_held(run, error.of(run), span))))
 
 
 def _heading_mean(run: xr.Dataset, span: Window) -> float:
-    return float(np.mean(within(run["time"].values, ERRORS["heading"].of(run), *span)))
+    return float(np.mean(_held(run, ERRORS["heading"].of(run), span)))
 
 
 def _heading_end(run: xr.Dataset, _: Window) -> float:
@@ -189,13 +193,13 @@ def _heading_end(run: xr.Dataset, _: Window) -> float:
 
 
 def _heading_sigma(run: xr.Dataset, span: Window) -> float:
-    return rms(within(run["time"].values, sigma_of_heading(run), *span))
+    return rms(_held(run, sigma_of_heading(run), span))
 
 
 def _horizontal_sigma(run: xr.Dataset, span: Window) -> float:
     if "position_sigma" not in run:
         return np.nan
-    return rms(within(run["time"].values, run["position_sigma"].values[:, :2], *span))
+    return rms(_held(run, run["position_sigma"].values[:, :2], span))
 
 
 def _limit(run: xr.Dataset, name: str) -> float:
@@ -269,11 +273,11 @@ def _nis_channels_sum(run: xr.Dataset, span: Window) -> float:
 
 
 def _nees(run: xr.Dataset, span: Window) -> float:
-    return float(np.mean(within(run["time"].values, nees_of(run), *span)))
+    return float(np.mean(_held(run, nees_of(run), span)))
 
 
 def _nees_at_end(run: xr.Dataset, span: Window) -> float:
-    return float(within(run["time"].values, nees_of(run), *span)[-1])
+    return float(_held(run, nees_of(run), span)[-1])
 
 
 def _used_fixes(run: xr.Dataset, _: Window) -> float:
@@ -503,6 +507,8 @@ def _own(point: EntryPoint, where: str) -> Figure:
         raise InputError(f"{where}: {type(error).__name__}: {error}") from error
     if not isinstance(loaded, Figure):
         raise InputError(f"{where}: must be a function marked as a figure, not {loaded!r}")
+    if loaded.fold is OF_SUMS:
+        raise InputError(f"{where}: its fold is for figures that come with the package")
 
     def of(run: xr.Dataset, span: Window) -> float:
         try:

@@ -56,7 +56,7 @@ class Row:
     def title(self) -> str:
         """The figure with its unit."""
         figure = known()[self.figure]
-        return figure.title if OVER in self.label else figure.heading
+        return figure.title if OVER in self.label else figure.label
 
     def cells(self) -> list[str]:
         """A line of the table."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from sim_scenarios.campaigns.statistics import (
     summarise,
 )
 from sim_scenarios.campaigns.store import State
+from sim_scenarios.units import ARCMIN
 
 TRIALS = 2000
 
@@ -330,6 +332,23 @@ def test_the_hand_over_is_told_where_there_is_one(results: xr.Dataset) -> None:
     (case,) = summarise(results)
     assert [row[-1] for row in table.figures(case)] == ["handed\nover [s]", "226 to 228", "229 to 231"]
     assert table.for_machines(case)["filters"]["a"]["hand_over"] == [226, 228]
+
+
+def test_a_figure_of_another_package_is_folded_as_it_says(
+    results: xr.Dataset, register: Callable[[dict[str, str]], None]
+) -> None:
+    register({"peak": "own_figures:heading_peak"})
+    results["peak"] = results["heading_rmse"].copy(data=[[[1, 5, 3, 2], [4, 2, 3, np.nan]]]) * ARCMIN
+    (case,) = summarise(results)
+    assert [one.own["peak"].value / ARCMIN for one in case.filters.values()] == pytest.approx([5, 4])
+    assert table.own_figures(case) == [
+        ["filter", "largest size of the heading [']\nlast"],
+        ["a", "5.00"],
+        ["b", "4.00"],
+    ]
+    assert table.for_machines(case)["filters"]["a"]["peak"] == [pytest.approx(5 * ARCMIN), None, None]
+    (older,) = summarise(results.drop_vars("peak"))
+    assert table.own_figures(older) == []
 
 
 def test_a_filter_that_a_case_lacks_has_no_summary(results: xr.Dataset) -> None:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
-from importlib.metadata import EntryPoint
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -15,14 +14,15 @@ from sim_scenarios.bands import Band
 from sim_scenarios.campaigns import quantities
 from sim_scenarios.errors import InputError
 from sim_scenarios.metrics import figures, judge
-from sim_scenarios.metrics.errors import ERRORS
-from sim_scenarios.metrics.figures import FIGURES, Figure, figure
+from sim_scenarios.metrics.figures import FIGURES, Figure
 from sim_scenarios.metrics.folds import LAST
 from sim_scenarios.papers import Printed
-from sim_scenarios.timeline import Window, within
+from sim_scenarios.timeline import Window
 from sim_scenarios.units import ARCMIN
 
 TIME = np.arange(601.0)
+
+Register = Callable[[dict[str, str]], None]
 
 
 def of(name: str, run: xr.Dataset, window: Window | None = None) -> float:
@@ -153,38 +153,8 @@ def test_the_nis_of_runs_is_that_of_all_their_fixes() -> None:
     assert folded("nis", [one, other]) == pytest.approx(14 / 13)
 
 
-@figure(title="largest size of the heading", unit="rad", fold=LAST, needs=["robust.gamma_effective"])
-def heading_peak(run: xr.Dataset, window: Window) -> float:
-    """The largest size of the heading error
-    in the window.
-    """
-    return float(np.max(np.abs(within(run["time"].values, ERRORS["heading"].of(run), *window))))
-
-
-@figure(title="fails")
-def fails(run: xr.Dataset, window: Window) -> float:  # noqa: ARG001
-    """Cannot be told."""
-    raise ZeroDivisionError("of nothing")
-
-
-Register = Callable[[dict[str, str]], None]
-
-
-@pytest.fixture
-def register(monkeypatch: pytest.MonkeyPatch) -> Iterator[Register]:
-    """Entry points that other packages would bring, by name."""
-
-    def registered(points: dict[str, str]) -> None:
-        made = {figures.GROUP: [EntryPoint(name, value, figures.GROUP) for name, value in points.items()]}
-        monkeypatch.setattr(figures, "entry_points", lambda group: made[group])
-
-    figures.own.cache_clear()
-    yield registered
-    figures.own.cache_clear()
-
-
 def test_a_figure_of_another_package_is_told_wherever_figures_are(register: Register) -> None:
-    register({"peak": "test_figures:heading_peak"})
+    register({"peak": "own_figures:heading_peak"})
     one = figures.known()["peak"]
     assert (one.name, one.fold) == ("peak", LAST)
     assert one.description == "The largest size of the heading error in the window"
@@ -204,9 +174,10 @@ def test_a_figure_of_another_package_is_told_wherever_figures_are(register: Regi
 @pytest.mark.parametrize(
     ("points", "sentence"),
     [
-        ({"heading": "test_figures:heading_peak"}, "there is a figure of that name already"),
-        ({"my peak": "test_figures:heading_peak"}, "its name must have letters, digits and _ only"),
-        ({"peak": "test_figures:of"}, "must be a function marked as a figure, not <function of"),
+        ({"heading": "own_figures:heading_peak"}, "there is a figure of that name already"),
+        ({"my peak": "own_figures:heading_peak"}, "its name must have letters, digits and _ only"),
+        ({"peak": "own_figures:no_figure"}, "must be a function marked as a figure, not <function no_figure"),
+        ({"peak": "own_figures:sums"}, "its fold is for figures that come with the package"),
         ({"peak": "no_such_module:peak"}, "ModuleNotFoundError: No module named 'no_such_module'"),
     ],
 )
@@ -222,9 +193,9 @@ def test_what_is_no_figure_is_refused_by_name(
 
 
 def test_a_figure_that_cannot_be_told_says_which(register: Register) -> None:
-    register({"mine": "test_figures:fails"})
+    register({"mine": "own_figures:fails"})
     with pytest.raises(
-        InputError, match=r"figure mine = test_figures:fails .*: ZeroDivisionError: of nothing"
+        InputError, match=r"figure mine = own_figures:fails .*: ZeroDivisionError: of nothing"
     ):
         judge(run_with(TIME))
 
