@@ -90,8 +90,9 @@ def is_there(folder: Path, identity: str) -> bool:
         raise InputError(f"{path} is not the data set of a campaign; give another --output, or --overwrite")
     if attributes["fingerprint"] != identity:
         raise InputError(
-            f"{folder} holds the results of a campaign with other settings or FMUs ({attributes['runs']} "
-            f"runs from seed {attributes['seed']}); give another --output, or --overwrite"
+            f"{folder} holds the results of a campaign with other settings, figures or FMUs "
+            f"({attributes['runs']} runs from seed {attributes['seed']}); give another --output, "
+            "or --overwrite"
         )
     return True
 

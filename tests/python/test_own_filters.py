@@ -213,7 +213,7 @@ def test_a_campaign_notices_another_fmu_of_that_name(folder: Path, fmus: Fmus) -
     campaign(path, folder / "out", runs=1, workers=1, fmus=Fmus(fmus))  # goes on
     foreign(fmus.filter, folder / "rivals" / "mine.fmu", ("nav.heading", "nav.roll"))  # with the same GUID
     unread = Fmus({name: fmus[name] for name in ("TruthPlant", "AlignmentFilter")})
-    with pytest.raises(InputError, match="other settings or FMUs"):
+    with pytest.raises(InputError, match="other settings, figures or FMUs"):
         campaign(path, folder / "out", runs=1, workers=1, fmus=unread)
 
 

@@ -97,7 +97,7 @@ def test_a_filter_that_fails_leaves_the_others_alone(fmus: Fmus, tmp_path: Path)
 def test_another_campaign_does_not_touch_the_results(
     results_folder: Path, plan_file: Path, fmus: Fmus
 ) -> None:
-    with pytest.raises(InputError, match="other settings or FMUs \\(5 runs from seed 3\\)"):
+    with pytest.raises(InputError, match="other settings, figures or FMUs \\(5 runs from seed 3\\)"):
         campaign(plan_file, results_folder, seed=4, fmus=fmus)
 
 
