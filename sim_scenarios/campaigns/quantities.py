@@ -13,11 +13,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from sim_scenarios.errors import InputError
 from sim_scenarios.metrics import certainty
 from sim_scenarios.metrics.certainty import QUANTITIES
 from sim_scenarios.metrics.errors import ERRORS as ALL_ERRORS
 from sim_scenarios.metrics.errors import Error
-from sim_scenarios.metrics.figures import FIGURES, OUTPUTS, Figure, over_evaluation, own
+from sim_scenarios.metrics.figures import FIGURES, GROUP, OUTPUTS, Figure, over_evaluation, own
 from sim_scenarios.metrics.statistics import is_measured, tells_nis
 from sim_scenarios.timeline import RESOLUTION
 
@@ -45,6 +46,12 @@ SERIES: Final[Mapping[str, tuple[str, str]]] = {
 }
 """Unit and description of what is kept over time; sigmas and deviations are NaN where the filter has none."""
 
+OTHERS: Final = (
+    *("scenario", "filter", "run", "seed", "time", "state", "fault_end"),
+    *(f"{name}_bound{what}" for name in BOUNDED for what in ("", "_rms")),
+)
+"""Other variables of a campaign (see `store`), whose names no figure can have."""
+
 KEPT: Final = (
     *(f"{name}_rmse" for name in ERRORS),
     "heading_end",
@@ -68,7 +75,17 @@ KEPT: Final = (
 
 
 def figures() -> dict[str, Figure]:
-    """Figures that are kept of every run, by name."""
+    """Figures that are kept of every run, by name.
+
+    Raises
+    ------
+    InputError
+        One of another package has the name of another variable of a campaign.
+    """
+    if taken := [name for name in own() if name in (*SERIES, *OTHERS)]:
+        raise InputError(
+            f"figure {taken[0]} (entry point {GROUP}): a campaign has another variable of that name"
+        )
     return {**{name: FIGURES[name] for name in KEPT}, **own()}
 
 

@@ -109,7 +109,7 @@ def order(values: ArrayLike, share: float) -> float:
 
 
 def _median(values: Array) -> float:
-    return float(np.median(np.nan_to_num(values, nan=np.inf)))  # NaN is never
+    return float(np.median(np.where(np.isnan(values), np.inf, values)))  # NaN is never
 
 
 def _mean(values: Array) -> float:

@@ -13,7 +13,7 @@ import sim_scenarios
 from sim_scenarios import provenance
 from sim_scenarios.campaigns import campaign
 from sim_scenarios.campaigns.plan import cases, load_plan
-from sim_scenarios.campaigns.quantities import KEPT, SERIES
+from sim_scenarios.campaigns.quantities import KEPT, OTHERS, SERIES
 from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.campaigns.store import NAME, State, open_results
 from sim_scenarios.errors import InputError
@@ -39,6 +39,7 @@ def test_everything_is_labelled(results: xr.Dataset) -> None:
     assert dict(results.sizes) == {"scenario": 4, "filter": 2, "run": 5, "time": 21}
     assert results["seed"].values.tolist() == [3, 4, 5, 6, 7]
     assert results["time"].values[[0, 1, -1]].tolist() == [0, 2, 40]
+    assert {*map(str, results.variables)} - {*SERIES, *KEPT} <= {*OTHERS}
     for name in (*SERIES, *KEPT, "heading_bound", "heading_bound_rms"):
         assert results[name].attrs["units"], name
         assert results[name].attrs["description"], name

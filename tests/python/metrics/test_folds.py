@@ -191,6 +191,7 @@ def test_every_fold_of_four_runs_in_closed_form() -> None:
     for fold, expected in ((RMS, 5.5**0.5), (MEAN, 2.0), (MEDIAN, 1.5), (COUNT, 8.0), (LAST, 4.0)):
         assert fold.estimate(values).value == pytest.approx(expected), fold.name
     assert MEDIAN.estimate([1.0, np.nan, 3.0]).value == 3.0  # what never comes is later than all
+    assert MEDIAN.estimate([1.0, np.inf, np.inf]).value == np.inf
     assert SHARE.estimate([1.0, 0.0, 0.0, 1.0]).value == 0.5
     assert RMS.estimate(values) == root_mean_square(values)
     assert MEAN.estimate(values) == mean_of(values)

@@ -1,45 +1,20 @@
-"""Figures of a run, by name, once for all that tells figures: verdicts, campaigns, papers, bands.
-
-A figure is a number of one filter of a run over a window, and says how that of many runs is made of it. A
-package of somebody else's adds one by an entry point of the group `truenorth.figures` ::
-
-    [project.entry-points."truenorth.figures"]
-    heading_90 = "my_figures:heading_90"
-
-whose function is marked as a figure::
-
-    import numpy as np
-    from sim_scenarios.metrics.errors import ERRORS
-    from sim_scenarios.metrics.figures import figure
-    from sim_scenarios.timeline import within
-
-    @figure(title="90th percentile of the heading error", unit="rad")
-    def heading_90(run, window):
-        \"\"\"Size of the heading error that is not exceeded for 90 % of the window.\"\"\"
-        error = within(run["time"].values, ERRORS["heading"].of(run), *window)
-        return np.percentile(np.abs(error), 90)
-
-From then on `run` and `compare` tell it, campaigns keep it, and papers and bands know its name.
-"""
+"""The figures that come with the package, by name: errors, times, certainty, fixes, and those of papers."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
-from importlib.metadata import EntryPoint, entry_points
-from typing import Any, Final
+from collections.abc import Callable, Iterator, Mapping
+from typing import Final
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import recording
-from sim_scenarios.errors import InputError
 from sim_scenarios.metrics import certainty, hand_over
 from sim_scenarios.metrics.certainty import QUANTITIES, Certainty
-from sim_scenarios.metrics.errors import ERRORS, root_mean_square, that_counts
-from sim_scenarios.metrics.folds import COUNT, LAST, MEAN, MEDIAN, OF_ERRORS, OF_SUMS, RMS, SHARE, Fold
+from sim_scenarios.metrics.errors import ERRORS, that_counts
+from sim_scenarios.metrics.figures.definition import Figure, Of
+from sim_scenarios.metrics.folds import COUNT, LAST, MEAN, MEDIAN, OF_ERRORS, OF_SUMS, RMS, SHARE
 from sim_scenarios.metrics.statistics import (
     holds_since,
     nees_of,
@@ -52,14 +27,9 @@ from sim_scenarios.metrics.statistics import (
 )
 from sim_scenarios.metrics.status import is_fit, own_status_at_end
 from sim_scenarios.timeline import Window, within
-from sim_scenarios.units import Reading, reading
 
 Array = NDArray[np.float64]
-Of = Callable[[xr.Dataset, Window], float]
-"""Figure of one filter of a run (a data set of `sim_scenarios.run`) over a window; NaN if there is none."""
 
-GROUP: Final = "truenorth.figures"
-"""Of the entry points by which somebody else adds a figure."""
 OUTPUTS: Final = (
     *(f"nav.{name}" for name in ("roll", "pitch", "heading", "latitude", "longitude", "height", "velocity")),
     *(f"{name}_sigma" for name in QUANTITIES),
@@ -73,90 +43,6 @@ OUTPUTS: Final = (
 """Outputs of a filter that every figure may be made of, where the filter has them."""
 COVARIANCE: Final = ("covariance", "gyro_bias", "accelerometer_bias", "clock_bias_sigma")
 """Outputs that the NEES is made of besides."""
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure of one filter of a run.
-
-    Attributes
-    ----------
-    name : str
-        That of its variable in the data set of a campaign, and in papers and bands.
-    title, unit, description : str
-        The unit is of SI, "1" of a number.
-    of : callable
-        The figure of a run over a window.
-    fold : Fold
-        How that of many runs is made of it.
-    needs : tuple of str
-        Outputs of the filter besides `OUTPUTS`, arrays by their base name.
-    parts : tuple of str
-        Figures that it is the ratio of, whose sums over runs make that of many, with the fold `OF_SUMS`.
-    """
-
-    name: str
-    title: str
-    unit: str
-    description: str
-    of: Of
-    fold: Fold = MEAN
-    needs: tuple[str, ...] = ()
-    parts: tuple[str, ...] = ()
-
-    @property
-    def reading(self) -> Reading:
-        """Unit in which people read it."""
-        return reading(self.unit)
-
-    @property
-    def label(self) -> str:
-        """Title with the unit in which people read it."""
-        sign = self.reading.sign
-        return f"{self.title} [{sign}]" if sign else self.title
-
-    def text(self, value: float) -> str:
-        """A value as people read it."""
-        return f"{value / self.reading.size:.4g} {self.reading.name}".rstrip()
-
-    def of_each(self, runs: Sequence[xr.Dataset], window: Window) -> Array:
-        """That of each run, shape (runs,)."""
-        return np.array([self.of(run, window) for run in runs], dtype=float)
-
-    def of_runs(self, runs: Sequence[xr.Dataset], window: Window) -> float:
-        """That of all runs together."""
-        if self.fold is OF_ERRORS:
-            return self.of(root_mean_square(runs), window)
-        if self.fold is OF_SUMS:
-            over, under = (np.sum(FIGURES[part].of_each(runs, window)) for part in self.parts)
-            return float(over / under) if under > 0 else np.nan
-        return self.fold.estimate(self.of_each(runs, window)).value
-
-
-def figure(
-    *, title: str, unit: str = "1", fold: Fold = MEAN, needs: Sequence[str] = ()
-) -> Callable[[Of], Figure]:
-    """Mark a function of a run and a window as a figure of its name, described by its docstring.
-
-    Parameters as the attributes of `Figure`.
-    """
-
-    def made(of: Of) -> Figure:
-        description = " ".join((of.__doc__ or title).split()).rstrip(".")
-        return Figure(of.__name__, title, unit, description, of, fold, tuple(needs))
-
-    return made
-
-
-def window(run: xr.Dataset) -> Window:
-    """Start and stop of the evaluation of a run [s]."""
-    return float(run.attrs["evaluation.start"]), float(run.attrs["evaluation.stop"])
-
-
-def over_evaluation(run: xr.Dataset) -> Callable[[str], float]:
-    """What gives the figures of a run over its evaluation window, by name."""
-    found, evaluation = known(), window(run)
-    return lambda name: found[name].of(run, evaluation)
 
 
 def certainty_of(run: xr.Dataset) -> Certainty:
@@ -399,24 +285,14 @@ def _of_certainty() -> Iterator[Figure]:
 
 
 def _of_fixes() -> Iterator[Figure]:
+    summed = "Normalised innovations squared of the fixes used in the window, summed"
+    total = Figure("nis_sum", "sum of NIS", "1", summed, _nis_sum, COUNT)
+    count = Figure("nis_channels_sum", "channels", "1", "Channels of those fixes", _nis_channels_sum, COUNT)
+    yield total
+    yield count
     yield Figure(
-        "nis",
-        "NIS / channels",
-        "1",
-        "Mean NIS for each channel",
-        _nis,
-        OF_SUMS,
-        parts=("nis_sum", "nis_channels_sum"),
+        "nis", "NIS / channels", "1", "Mean NIS for each channel", _nis, OF_SUMS, parts=(total, count)
     )
-    yield Figure(
-        "nis_sum",
-        "sum of NIS",
-        "1",
-        "Normalised innovations squared of the fixes used in the window, summed",
-        _nis_sum,
-        COUNT,
-    )
-    yield Figure("nis_channels_sum", "channels", "1", "Channels of those fixes", _nis_channels_sum, COUNT)
     yield Figure("used_fixes", "fixes used", "1", "Fixes that corrected the estimate", _used_fixes)
     yield Figure("rejected_fixes", "fixes refused", "1", "Fixes that were refused", _rejected_fixes)
 
@@ -473,49 +349,3 @@ def _of_papers() -> Iterator[Figure]:
 
 FIGURES: Final[Mapping[str, Figure]] = {one.name: one for one in _figures()}
 """Those that come with the package, by name."""
-
-
-def known() -> dict[str, Figure]:
-    """All figures that there are, by name, those of entry points last."""
-    return {**FIGURES, **own()}
-
-
-@cache
-def own() -> Mapping[str, Figure]:
-    """Figures that other packages add by entry points, by name.
-
-    Raises
-    ------
-    InputError
-        An entry point cannot be imported, is no figure, or has the name of another one.
-    """
-    found: dict[str, Figure] = {}
-    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
-        where = f"figure {point.name} = {point.value} (entry point {GROUP})"
-        if point.name in FIGURES or point.name in found:
-            raise InputError(f"{where}: there is a figure of that name already")
-        if not point.name.isidentifier():
-            raise InputError(f"{where}: its name must have letters, digits and _ only")
-        found[point.name] = _own(point, where)
-    return found
-
-
-def _own(point: EntryPoint, where: str) -> Figure:
-    try:
-        loaded: Any = point.load()
-    except Exception as error:  # whatever an import raises
-        raise InputError(f"{where}: {type(error).__name__}: {error}") from error
-    if not isinstance(loaded, Figure):
-        raise InputError(f"{where}: must be a function marked as a figure, not {loaded!r}")
-    if loaded.fold is OF_SUMS:
-        raise InputError(f"{where}: its fold is for figures that come with the package")
-
-    def of(run: xr.Dataset, span: Window) -> float:
-        try:
-            return float(loaded.of(run, span))
-        except InputError:
-            raise
-        except Exception as error:  # whatever it raises
-            raise InputError(f"{where}: {type(error).__name__}: {error}") from error
-
-    return replace(loaded, name=point.name, of=of)
