@@ -44,6 +44,7 @@ OVER_TIME: Final = (
     "status",
     "converged",
     "truth.velocity",
+    *(f"{recording.ALIGNMENT}{name}" for name in ("heading_error", *recording.ALIGNMENT_OUTPUTS)),
 )
 """Variables that are kept of its recorded instants, with the NEES in place of the covariance."""
 
