@@ -47,6 +47,14 @@ OVER_TIME: Final = (
     *(f"{recording.ALIGNMENT}{name}" for name in ("heading_error", *recording.ALIGNMENT_OUTPUTS)),
 )
 """Variables that are kept of its recorded instants, with the NEES in place of the covariance."""
+TRUTH: Final = tuple(
+    f"truth.{name}"
+    for name in (
+        *("roll", "pitch", "heading", "latitude", "longitude", "height", "velocity"),
+        *("gyro_bias", "accelerometer_bias"),
+    )
+)
+"""What figures of other packages may be made of besides."""
 
 
 def outputs() -> tuple[str, ...]:
@@ -56,9 +64,13 @@ def outputs() -> tuple[str, ...]:
 
 
 def variables() -> tuple[str, ...]:
-    """Variables that are kept of a run, where it has them."""
-    needs = (name for one in figures.own().values() for name in one.needs)
-    return tuple(dict.fromkeys((*OVER_TIME, *OF_FIXES, recording.HAND_OVER, *needs)))
+    """Variables that are kept of a run, where it has them: more where other packages add figures."""
+    kept = (*OVER_TIME, *OF_FIXES, recording.HAND_OVER)
+    others = figures.own().values()
+    if not others:
+        return kept
+    needs = (name for one in others for name in one.needs)
+    return tuple(dict.fromkeys((*kept, *figures.OUTPUTS, *TRUTH, *needs)))
 
 
 @dataclass(frozen=True)

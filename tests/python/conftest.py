@@ -43,8 +43,8 @@ def register(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[dict[str, st
     def registered(points: dict[str, str]) -> None:
         made = {figures.GROUP: [EntryPoint(name, value, figures.GROUP) for name, value in points.items()]}
         monkeypatch.setattr(figures, "entry_points", lambda group: made[group])
+        figures.own.cache_clear()
 
-    figures.own.cache_clear()
     yield registered
     figures.own.cache_clear()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,19 @@ def test_what_is_kept_of_a_run_makes_the_figures_of_the_whole_run(outliers: xr.D
         whole = of_filter(outliers, label)
         for name, figure in FIGURES.items():
             assert np.array_equal(figure.of(run, window), figure.of(whole, window), equal_nan=True), name
+
+
+def test_for_figures_of_other_packages_all_is_kept_that_they_may_be_made_of(
+    outliers: xr.Dataset, register: Callable[[dict[str, str]], None]
+) -> None:
+    """Beside what they need that no figure of ours does, but still no covariance."""
+    assert "nav.height" not in thinned(outliers)
+    register({"peak": "own_figures:heading_peak"})
+    kept = thinned(outliers)
+    there = {"nav.height", "truth.gyro_bias", "robust.gamma_effective", "used_fixes"}
+    assert there <= {*map(str, outliers.data_vars)}
+    assert there <= {*map(str, kept.data_vars)}
+    assert "covariance" not in kept
 
 
 @pytest.mark.parametrize(
