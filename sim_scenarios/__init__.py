@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from sim_scenarios.recordings.replay import replay
     from sim_scenarios.recordings.start import Start
     from sim_scenarios.recordings.zero_velocity import ZeroVelocity
-    from sim_scenarios.simulation import bound, compare, run
+    from sim_scenarios.scenario_bound import bound
+    from sim_scenarios.simulation import compare, run
 
 __all__ = [
     "InputError",
@@ -56,7 +57,8 @@ _HOMES = {
     "recordings.replay": ("replay",),
     "recordings.start": ("Start",),
     "recordings.zero_velocity": ("ZeroVelocity",),
-    "simulation": ("bound", "compare", "run"),
+    "scenario_bound": ("bound",),
+    "simulation": ("compare", "run"),
 }
 _MODULES = ("report",)
 

@@ -1,6 +1,6 @@
 """Monte-Carlo runs against the bands that the filters must keep: python -m sim_scenarios.bands -n 50.
 
-A figure is taken over a window and over all runs (`ensemble.FIGURES`). A band is the figure of an independent
+A figure is taken over a window and over all runs (`metrics.figures`). A band is the figure of an independent
 prototype of the filters with, for an alignment, about three standard deviations of such a figure of 50 runs
 on either side, and for navigation 1.1 standard deviations of a single run; fewer runs scatter more. Where a
 filter is meant to fail, its band is open above. Seeds are 1 to n. Prints a table in Markdown; the exit code
@@ -17,7 +17,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sim_scenarios.ensemble import FIGURES, Ensemble, ensemble
+from sim_scenarios.ensemble import Ensemble, ensemble
+from sim_scenarios.metrics.figures import known
 from sim_scenarios.metrics.statistics import chi_square_interval
 from sim_scenarios.processes import processes
 from sim_scenarios.timeline import Window
@@ -33,7 +34,7 @@ class Band:
         Filter that the scenario compares.
     low, high : float
     figure : str
-        Name in `ensemble.FIGURES`.
+        Name in `metrics.figures`.
     over : str or None
         Filter to divide by.
     minus : str or None
@@ -69,8 +70,8 @@ class Band:
         """The figure with its unit."""
         if self.minus:
             return "largest difference [SI]"
-        figure = FIGURES[self.figure]
-        return figure.title if self.over or not figure.unit else f"{figure.title} [{figure.unit}]"
+        figure = known()[self.figure]
+        return figure.title if self.over else figure.label
 
 
 @dataclass(frozen=True)
@@ -272,8 +273,8 @@ def rows(check: Check, runs: Ensemble, count: int) -> Iterator[Row]:
             yield Row(check, band, count, runs.largest_difference(band.label, band.minus), None)
             continue
         value = runs.figure(band.figure, band.label, over=band.over)
-        each = FIGURES[band.figure].of_each(runs.filters[band.label], runs.window)
-        yield Row(check, band, count, value, None if band.over else (min(each), max(each)))
+        each = runs.of_each(band.figure, band.label)
+        yield Row(check, band, count, value, None if band.over else (float(each.min()), float(each.max())))
 
 
 def main() -> int:

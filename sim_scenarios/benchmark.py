@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from sim_scenarios import simulation
+from sim_scenarios import connection, simulation
 from sim_scenarios.cosimulation import FmuSource
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
@@ -72,14 +72,14 @@ def shares(name: str, fmus: Fmus) -> dict[str, float]:
     clock = Clock()
     scenario = load_scenario(name, fmus)
     with ExitStack() as stack:
-        source, (sink,) = simulation.connect(scenario, fmus, {"filter": scenario.filter}, stack)
+        source, (sink,) = connection.connect(scenario, fmus, {"filter": scenario.filter}, stack)
         if not isinstance(source, FmuSource):
             raise InputError(f"{name}: only a scenario of two FMUs is timed")
         source.instance.step = clock.timed("plant step", source.instance.step)  # type: ignore[method-assign]
         sink.instance.step = clock.timed("filter step", sink.instance.step)  # type: ignore[method-assign]
         source.port.read = clock.timed("get and set", source.port.read)  # type: ignore[method-assign]
         sink.port.write = clock.timed("get and set", sink.port.write)  # type: ignore[method-assign]
-        clock.timed("all", simulation.record)(scenario, fmus, source, [sink])
+        clock.timed("all", connection.record)(scenario, fmus, source, [sink])
     parts = dict(clock.spent)
     parts["loop and recording"] = 2 * parts.pop("all") - sum(clock.spent.values())
     return parts
@@ -96,10 +96,10 @@ def filter_steps(scenario: Scenario, fmus: Fmus, repetitions: int = 3) -> dict[s
         clock = Clock(time.thread_time)
         filters = scenario.filters()
         with ExitStack() as stack:
-            source, sinks = simulation.connect(scenario, fmus, filters, stack)
+            source, sinks = connection.connect(scenario, fmus, filters, stack)
             for label, sink in zip(filters, sinks, strict=True):
                 sink.instance.step = clock.timed(label, sink.instance.step)  # type: ignore[method-assign]
-            simulation.record(scenario, fmus, source, sinks)
+            connection.record(scenario, fmus, source, sinks)
         for label, seconds in clock.spent.items():
             found[label].append(seconds / steps)
     return {label: median(times) for label, times in found.items()}

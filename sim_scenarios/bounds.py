@@ -40,6 +40,7 @@ from numpy.typing import NDArray
 from sim_scenarios.attitude import skew
 from sim_scenarios.earth import EARTH_RATE, curvature, earth_rate, gravity, radii
 from sim_scenarios.errors import InputError
+from sim_scenarios.metrics.statistics import rms
 from sim_scenarios.timeline import inside
 from sim_scenarios.units import DEGREE, HOUR, STANDARD_GRAVITY
 
@@ -139,7 +140,7 @@ class Bound:
         held = inside(self.time, start, stop)
         if not held.any():
             raise InputError(f"the bound has no fix between {start:g} s and {stop:g} s")
-        return float(np.sqrt(np.mean(self.heading_sigma[held] ** 2)))
+        return rms(self.heading_sigma[held])
 
 
 def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:

@@ -22,7 +22,7 @@ from sim_scenarios.html import render
 from sim_scenarios.metrics import Verdict, hand_over, is_navigation, judge
 from sim_scenarios.metrics.alignment import bound_in_words
 from sim_scenarios.metrics.statistics import is_measured
-from sim_scenarios.metrics.verdict import status_at_end
+from sim_scenarios.metrics.status import status_at_end
 from sim_scenarios.plots import fixes, heading, navigation
 from sim_scenarios.plots import side_by_side as pictures_side_by_side
 from sim_scenarios.plots import track as pictures_of_track

@@ -11,11 +11,12 @@ from contextlib import ExitStack
 
 import xarray as xr
 
-from sim_scenarios import ports, simulation
+from sim_scenarios import connection, ports, simulation
 from sim_scenarios.container import Container, obstacle
 from sim_scenarios.cosimulation import Recorded
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu, Fmus, Number
+from sim_scenarios.recording import FIX_OUTPUTS
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.stepping import Master
 from sim_scenarios.timeline import instants
@@ -28,9 +29,9 @@ class Runner:
 
     Parameters
     ----------
-    outputs, fix_outputs : sequence of str
-        Outputs of a filter, arrays by their base name, that a container records periodically and at fixes,
-        where the filter has them. The Python master records all.
+    outputs : sequence of str
+        Outputs of a filter, arrays by their base name, that a container records, at every recorded instant or
+        at fixes (`recording.FIX_OUTPUTS`), where the filter has them. The Python master records all.
     master : Master
     fmus : Fmus, optional
         Those that are loaded already.
@@ -39,12 +40,13 @@ class Runner:
     def __init__(
         self,
         outputs: Sequence[str],
-        fix_outputs: Sequence[str],
         master: Master = Master.auto,
         fmus: Fmus | None = None,
     ) -> None:
         self.fmus = fmus or Fmus()
-        self._recorded = outputs, fix_outputs
+        self._recorded = tuple(
+            [name for name in outputs if (name in FIX_OUTPUTS) is at_fixes] for at_fixes in (False, True)
+        )
         self._master = master
         self._containers: dict[tuple[tuple[str, ...], float], Container] = {}
 
@@ -67,17 +69,17 @@ class Runner:
 
     def _record(self, scenario: Scenario, filters: Filters) -> Recorded:
         with ExitStack() as stack:
-            plant = simulation.start_plant(scenario, self.fmus, stack)
-            truth = dict(zip(simulation.TRUTH, plant.read(simulation.TRUTH), strict=True))
-        start = simulation.initial_values(scenario, self.fmus.plant, truth)
+            plant = connection.start_plant(scenario, self.fmus, stack)
+            truth = dict(zip(connection.TRUTH, plant.read(connection.TRUTH), strict=True))
+        start = connection.initial_values(scenario, self.fmus.plant, truth)
         names = tuple(map(scenario.fmu_of, filters))
         return self._container(scenario, names).record(
             scenario.plant,
             [
-                simulation.filter_values(self.fmus[name], start, values)
+                connection.filter_values(self.fmus[name], start, values)
                 for name, values in zip(names, filters.values(), strict=True)
             ],
-            instants(scenario.duration, scenario.communication_step, simulation.stride(scenario)),
+            instants(scenario.duration, scenario.communication_step, connection.stride(scenario)),
         )
 
     def _container(self, scenario: Scenario, names: tuple[str, ...]) -> Container:
@@ -100,7 +102,7 @@ def why_no_container(scenario: Scenario, fmus: Fmus) -> str | None:
     """Why a container cannot do a scenario; None if it can."""
     if scenario.alignment is not None:
         return "the container does not pass an alignment on to navigation"
-    rate = float(simulation.parameter(scenario, fmus.plant, "gnss.rate"))
+    rate = float(connection.parameter(scenario, fmus.plant, "gnss.rate"))
     return obstacle(scenario.recording_period, rate)
 
 

@@ -26,9 +26,10 @@ from dask.system import CPU_COUNT
 from distributed import Client, Security
 from distributed.scheduler import KilledWorker
 
-from sim_scenarios import simulation
+from sim_scenarios import provenance
 from sim_scenarios.campaigns import runs, store
 from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
+from sim_scenarios.campaigns.quantities import figures
 from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.campaigns.store import Batch
 from sim_scenarios.errors import InputError, SimulationError
@@ -175,6 +176,8 @@ class Workbench:
         Of the campaign.
     versions : dict of str to str
         FMUs that the workers must have.
+    figures : list of str
+        Names of those that the workers must know.
     attributes : list of dict
         Of the runs of each case.
     """
@@ -184,6 +187,7 @@ class Workbench:
     cases: Sequence[Case]
     master: Master
     versions: dict[str, str]
+    figures: list[str]
     attributes: list[dict[str, Any]]
 
     def set_up(self) -> tuple[Bench, store.Writer]:
@@ -192,6 +196,8 @@ class Workbench:
         found = fmu_versions(bench.fmus, self.cases)
         if found != self.versions:
             raise InputError(f"a worker has other FMUs than this process: {found}, not {self.versions}")
+        if differing := set(self.figures).symmetric_difference(figures()):
+            raise InputError(f"a worker has other figures than this process: {', '.join(sorted(differing))}")
         return bench, store.Writer(self.path)
 
 
@@ -247,7 +253,7 @@ def bounds(workers: Workers, made: Sequence[Case], fmus: Fmus) -> list[xr.Datase
         if case.unfaulted is None:
             return found[case.label]
         bound = found[case.unfaulted]
-        result: xr.Dataset = bound.assign_attrs({**bound.attrs, **simulation.attributes(case.scenario, fmus)})
+        result: xr.Dataset = bound.assign_attrs({**bound.attrs, **provenance.attributes(case.scenario, fmus)})
         return result
 
     return [of(case) for case in made]
@@ -264,7 +270,7 @@ def execute(
 ) -> Effort:
     """Run all that is missing in a data set; `report` is called after every batch."""
     path = path.resolve()
-    bench = Workbench(path, plan, made, master, versions, store.run_attributes(path))
+    bench = Workbench(path, plan, made, master, versions, [*figures()], store.run_attributes(path))
     missing = list(store.unfinished(path))
     total = plan.runs * len(made)
     done = total - sum(len(batch) for batch in missing)

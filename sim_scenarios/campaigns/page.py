@@ -25,6 +25,7 @@ from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
 from sim_scenarios.folders import filled
 from sim_scenarios.html import render, source
 from sim_scenarios.names import file_names
+from sim_scenarios.units import reading
 
 Array = NDArray[np.float64]
 
@@ -56,7 +57,7 @@ def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
         description=data.attrs["description"],
         runs=data.attrs["runs"],
         seed=data.attrs["seed"],
-        cases=[(case, [table.figures(case), table.certainty(case), table.errors(case)]) for case in cases],
+        cases=[(case, _tables(case)) for case in cases],
         overviews=_overviews(cases),
         about={label: {**case, "command": _command(case, data)} for label, case in about.items()},
         content=_script_safe(json.dumps(_content(data, cases), allow_nan=False)),
@@ -64,6 +65,12 @@ def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
         script=script,
         scripts=[script, plotly],
     )
+
+
+def _tables(case: CaseSummary) -> list[table.Rows]:
+    """Tables of a case, those that there is something to say in."""
+    tables = (table.figures(case), table.certainty(case), table.errors(case), table.own_figures(case))
+    return [rows for rows in tables if rows]
 
 
 def _overviews(cases: Sequence[CaseSummary]) -> list[tuple[str, table.Rows]]:
@@ -95,9 +102,7 @@ def _content(data: xr.Dataset, cases: Sequence[CaseSummary]) -> dict[str, Any]:
     points = min(MOST_POINTS, MOST_NUMBERS // max(1, curves))
     return {
         "filters": [str(label) for label in data["filter"].values],
-        "quantities": {
-            name: {"title": q.title, "unit": table.UNITS[q.unit][0]} for name, q in ERRORS.items()
-        },
+        "quantities": {name: {"title": q.title, "unit": reading(q.unit).name} for name, q in ERRORS.items()},
         "cases": [_case(case, points) for case in cases],
     }
 
@@ -109,18 +114,18 @@ def _case(case: CaseSummary, points: int) -> dict[str, Any]:
         "time": _numbers(case.time[thin]),
         "counting": case.counting,
         "bounds": {
-            name: _numbers(bound[thin] / table.UNITS[ERRORS[name].unit][1])
+            name: _numbers(bound[thin] / reading(ERRORS[name].unit).size)
             for name, bound in case.bounds.items()
         },
-        "filters": {label: _filter(one, thin, table.unit_of(case)[1]) for label, one in case.filters.items()},
+        "filters": {
+            label: _filter(one, thin, table.unit_of(case).size) for label, one in case.filters.items()
+        },
     }
 
 
 def _filter(one: Summary, thin: slice, unit: float) -> dict[str, Any]:
     return {
-        "errors": {
-            name: _course(one.errors[name], thin, table.UNITS[q.unit][1]) for name, q in ERRORS.items()
-        },
+        "errors": {name: _course(one.errors[name], thin, reading(q.unit).size) for name, q in ERRORS.items()},
         "nis": _course(one.nis_course, thin),
         "nees": _course(one.nees_course, thin),
         "runs": one.runs,

@@ -50,27 +50,27 @@ def _make_logarithmic(axes: Axes) -> None:
 
 
 def _errors(case: CaseSummary, axes: Axes) -> None:
-    unit, size = table.unit_of(case)
+    unit = table.unit_of(case)
     for label, colour, dashes in style.lines(case.filters):
         course = case.filters[label].errors[case.counting]
-        axes.plot(case.time, course.middle / size, dashes, color=colour, lw=1.4, label=label)
+        axes.plot(case.time, course.middle / unit.size, dashes, color=colour, lw=1.4, label=label)
     bound = case.bounds[case.counting]
     if np.isfinite(bound).any():
-        axes.plot(case.time, bound / size, color=style.INK, lw=1.0, label="Cramer-Rao bound")
+        axes.plot(case.time, bound / unit.size, color=style.INK, lw=1.0, label="Cramer-Rao bound")
     axes.set_title(f"{ERRORS[case.counting].title} error: RMS over runs")
-    axes.set_ylabel(unit)
+    axes.set_ylabel(unit.name)
     axes.set_xlabel("time [s]")
 
 
 def _runs(case: CaseSummary, axes: Axes) -> None:
-    unit, size = table.unit_of(case)
+    unit = table.unit_of(case)
     for label, colour, dashes in style.lines(case.filters):
-        each = np.sort(case.filters[label].each) / size
+        each = np.sort(case.filters[label].each) / unit.size
         share = np.arange(1, len(each) + 1) / case.filters[label].runs  # those that stopped have no RMSE
         axes.step(each, 100 * share, dashes, where="post", color=colour, lw=1.4)
     axes.set_title("Runs with at most this RMSE")
     axes.set_ylabel("%")
-    axes.set_xlabel(unit)
+    axes.set_xlabel(unit.name)
 
 
 def _consistency(case: CaseSummary, courses: dict[str, Course], axes: Axes, title: str) -> None:

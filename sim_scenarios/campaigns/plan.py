@@ -47,7 +47,7 @@ from pydantic import BeforeValidator, Field, ValidationError
 
 from sim_scenarios import faults, toml
 from sim_scenarios.campaigns.draws import Distribution, Draw, draw
-from sim_scenarios.campaigns.quantities import FIGURES, SERIES
+from sim_scenarios.campaigns.quantities import SERIES, figures
 from sim_scenarios.catalogue import CAMPAIGNS, files, located_filters, scenario_path
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
@@ -250,7 +250,7 @@ def fingerprint(plan: Plan, made: Sequence[Case], versions: Mapping[str, str]) -
         "plan": plan.model_dump(mode="json", exclude={"description", "reference", "instants"}),
         "cases": {case.label: case.scenario.model_dump(mode="json") for case in made},
         "versions": dict(versions),
-        "kept": [*SERIES, *FIGURES],
+        "kept": [*SERIES, *figures()],
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 

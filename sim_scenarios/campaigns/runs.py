@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios import faults, recording, simulation
+from sim_scenarios import faults, provenance, recording, scenario_bound
 from sim_scenarios.campaigns.plan import Case, filters_of
-from sim_scenarios.campaigns.quantities import FIGURES, FIX_OUTPUTS, OUTPUTS, SERIES, kept
+from sim_scenarios.campaigns.quantities import SERIES, figures, kept, outputs
 from sim_scenarios.campaigns.store import State
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmus
@@ -46,7 +46,7 @@ class Bench:
     """
 
     def __init__(self, period: float, master: Master = Master.auto, fmus: Fmus | None = None) -> None:
-        self.runner = Runner(OUTPUTS, FIX_OUTPUTS, master, fmus)
+        self.runner = Runner(outputs(), master, fmus)
         self.fmus = self.runner.fmus
         self._period = period
 
@@ -98,7 +98,7 @@ def arranged(
     """Values and states of runs as they are stored: shapes (filters, runs[, times]) and (filters, runs)."""
     shape = len(filters), len(outcomes)
     values = {name: np.full((*shape, times), np.nan) for name in SERIES}
-    values |= {name: np.full(shape, np.nan) for name in FIGURES}
+    values |= {name: np.full(shape, np.nan) for name in figures()}
     state = np.full(shape, State.absent, dtype=np.int8)
     for r, outcome in enumerate(outcomes):
         for f, label in enumerate(filters):
@@ -114,10 +114,10 @@ def bound(case: Case, fmus: Fmus) -> xr.Dataset:
     The true motion is the same for all seeds, and so is the bound, unless more of the plant than its faults
     is drawn.
     """
-    unknown = xr.Dataset(attrs=simulation.attributes(case.scenario, fmus))
+    unknown = xr.Dataset(attrs=provenance.attributes(case.scenario, fmus))
     if any(one.part == "plant" and not faults.concerns(one.name) for one in case.draws):
         return unknown
     try:
-        return simulation.bound_of(case.scenario, fmus)
+        return scenario_bound.bound_of(case.scenario, fmus)
     except InputError:
         return unknown

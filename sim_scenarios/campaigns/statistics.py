@@ -1,19 +1,6 @@
 """What the runs of a campaign say together, with how sure it is.
 
-Confidence is 95 % everywhere. With r_k the RMSE of run k, the figure of N runs is the root of the mean of
-r_k^2; its logarithm has, by the delta method, the standard error s / sqrt(N) with s the standard deviation of
-
-    d_k = r_k^2 / (2 mean(r^2))
-
-and Student's t with N - 1 degrees of freedom gives the interval. Two filters that saw the same seeds are
-compared run by run: the logarithm of the ratio of their figures has the standard error of the differences of
-their d_k, which is far smaller than either's where they fail and succeed on the same signals.
-
-The share of the time with reported convergence in which filters are wrongly sure is a ratio of sums over
-runs, p = sum(w_k) / sum(c_k). Instants depend on each other within a run, not across runs, so its interval is
-that of Clopper and Pearson for as many independent instants as give the variance that the ratio has over runs
-(Korn and Graubard 1998). Where no run is ever wrong, or all are always, nothing tells how dependent instants
-are: each run counts as one instant, and the interval is wide.
+Intervals are those of `metrics.folds`: of 95 %, over runs, which are independent, not over their instants.
 
 After a fault a filter has recovered from the time on when, until the end, the error of each quantity is
 within three sigmas and sigma within `RECOVERED` times that of the same filter without the fault on the same
@@ -33,13 +20,16 @@ from typing import Any, Final
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
-from scipy.special import betaincinv, chdtri, ndtri, stdtrit
+from numpy.typing import NDArray
+from scipy.special import chdtri
 
 from sim_scenarios.campaigns.plan import Plan
-from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, that_counts
+from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS
 from sim_scenarios.campaigns.store import State
 from sim_scenarios.metrics.certainty import QUANTITIES, WRONG
+from sim_scenarios.metrics.errors import that_counts
+from sim_scenarios.metrics.figures import FIGURES, Figure, own
+from sim_scenarios.metrics.folds import UNKNOWN, Estimate, order, share, time_share
 from sim_scenarios.metrics.statistics import CONFIDENCE, chi_square_interval
 from sim_scenarios.timeline import RESOLUTION
 
@@ -48,19 +38,6 @@ Array = NDArray[np.float64]
 PERCENTILES: Final = (50.0, 90.0)
 RECOVERED: Final = 1.5
 """How much more error and sigma than without its fault a filter may have that has recovered."""
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A figure with its interval of 95 %; NaN where it does not exist."""
-
-    value: float
-    lower: float
-    upper: float
-
-    def __truediv__(self, unit: float) -> Estimate:
-        """The same in a unit."""
-        return Estimate(self.value / unit, self.lower / unit, self.upper / unit)
 
 
 @dataclass(frozen=True)
@@ -126,6 +103,8 @@ class Summary:
         Mean of (heading error / sigma)^2 at the end of the window; interval of a consistent filter.
     nees_at : dict of float to Estimate
         The same at the instants that the campaign names [s]; NaN where nothing is kept, or the run is over.
+    own : dict of str to Estimate
+        Figures that other packages add, over the finished runs, by name.
     each : ndarray, shape (finished,)
         RMSE of the error that counts of every finished run, in SI units.
     errors : dict of str to Course
@@ -152,6 +131,7 @@ class Summary:
     nis: Estimate
     nees: Estimate
     nees_at: dict[float, Estimate]
+    own: dict[str, Estimate]
     each: Array
     errors: dict[str, Course]
     nis_course: Course
@@ -206,43 +186,6 @@ def summarise(data: xr.Dataset, plan: Plan | None = None) -> Iterator[CaseSummar
         )
 
 
-def root_mean_square(values: ArrayLike) -> Estimate:
-    """Root mean square of the RMSE of independent runs, with its interval."""
-    r = np.asarray(values, dtype=float)
-    if len(r) == 0:
-        return _unknown()
-    value = float(np.sqrt(np.mean(r**2)))
-    return _log_interval(value, _influence(r))
-
-
-def paired_ratio(values: ArrayLike, reference: ArrayLike) -> Estimate:
-    """Ratio of the root mean squares of two filters over the same runs, with its interval."""
-    a, b = np.asarray(values, dtype=float), np.asarray(reference, dtype=float)
-    if len(a) == 0 or not np.any(b):
-        return _unknown()
-    value = float(np.sqrt(np.mean(a**2) / np.mean(b**2)))
-    return _log_interval(value, _influence(a) - _influence(b))
-
-
-def mean_of(values: ArrayLike) -> Estimate:
-    """Mean of a figure of independent runs that is never negative, with its interval."""
-    r = np.asarray(values, dtype=float)
-    return _log_interval(float(np.mean(r)), r / np.mean(r)) if np.any(r) else _unknown()
-
-
-def ratio_of_means(values: ArrayLike, reference: ArrayLike) -> Estimate:
-    """Ratio of the means of such a figure of two filters over the same runs, with its interval."""
-    a, b = np.asarray(values, dtype=float), np.asarray(reference, dtype=float)
-    if not (np.any(a) and np.any(b)):
-        return _unknown()
-    return _log_interval(float(np.mean(a) / np.mean(b)), a / np.mean(a) - b / np.mean(b))
-
-
-def share(events: int, count: int) -> Estimate:
-    """Share of events with the interval of Clopper and Pearson, quantiles of beta distributions."""
-    return _clopper_pearson(events, count) if count else _unknown()
-
-
 def error_course(error: Array) -> Course:
     """Size of an error over time, from its values of each run, shape (runs, times)."""
     size = np.abs(error)
@@ -269,24 +212,6 @@ def nees_course(error: Array, sigma: Array) -> Course:
     with np.errstate(divide="ignore", invalid="ignore"):
         nees = np.where(np.isfinite(error), (error / sigma) ** 2, np.inf)
     return consistency_course(np.where(known, nees, 0.0), known.astype(float))
-
-
-def time_share(part: ArrayLike, whole: ArrayLike) -> Estimate:
-    """Share of the time of independent runs, from both times of each, with its interval."""
-    w, c = np.asarray(part, dtype=float), np.asarray(whole, dtype=float)
-    w, c = w[c > 0], c[c > 0]
-    runs = len(c)
-    if runs == 0 or np.isnan(w).any():
-        return _unknown()
-    share = float(w.sum() / c.sum())
-    if runs == 1:
-        return Estimate(share, np.nan, np.nan)
-    variance = np.var((w - share * c) / c.mean(), ddof=1) / runs
-    if variance == 0:
-        return _clopper_pearson(share * runs, runs)
-    few = ndtri((1 + CONFIDENCE) / 2) / stdtrit(runs - 1, (1 + CONFIDENCE) / 2)
-    instants = share * (1 - share) / float(variance) * few**2
-    return _clopper_pearson(share * instants, instants)
 
 
 def recovery_times(
@@ -347,7 +272,7 @@ def _case_summary(
     def nees_at(label: str, instant: float) -> Estimate:
         row = int(np.argmin(np.abs(time - instant)))
         reached = instant <= attributes["duration"] + RESOLUTION
-        return nees_of(label, row) if reached and abs(time[row] - instant) < RESOLUTION else _unknown()
+        return nees_of(label, row) if reached and abs(time[row] - instant) < RESOLUTION else UNKNOWN
 
     filters = {}
     for label in labels:
@@ -385,30 +310,38 @@ def _of_runs(one: xr.Dataset, counting: str) -> dict[str, Any]:
     deviation = one["claimed_deviation"].values[finished]
     claims = int((~np.isnan(deviation)).sum())  # infinite where an error is no number
     sure = one["sure_time"].values[finished]
+    failed = one["success"].values[finished] != 1
+
+    def folded(figure: Figure) -> Estimate:
+        return figure.fold.estimate(one[figure.name].values[finished])
+
     return {
         "runs": runs,
         "stopped": stopped,
-        "failures": share(runs - int((one["success"].values[finished] == 1).sum()), runs),
-        "rmse": {name: root_mean_square(one[f"{name}_rmse"].values[finished]) for name in ERRORS},
-        "to_bound": root_mean_square(each / float(one[f"{counting}_bound_rms"])),
-        "convergence": (_order(times, 0.5), _order(times, 0.9)),
+        "failures": FIGURES["success"].fold.estimate(np.append(failed, np.ones(stopped))),
+        "rmse": {name: folded(FIGURES[f"{name}_rmse"]) for name in ERRORS},
+        "to_bound": FIGURES[f"{counting}_rmse"].fold.estimate(each / float(one[f"{counting}_bound_rms"])),
+        "convergence": (order(times, 0.5), order(times, 0.9)),
         "hand_over": (float(handed.min()), float(handed.max())) if len(handed) else (np.nan, np.nan),
         "wrong_claims": share(int((deviation > WRONG).sum()), claims),
         "claims": claims,
-        "sure": float(sure.mean()) if len(sure) else np.nan,
+        "sure": folded(FIGURES["sure_time"]).value,
         "wrongly_sure": time_share(one["wrongly_sure_time"].values[finished], sure),
         "wrongly_sure_in": {
             name: time_share(one[f"wrongly_sure_{name}_time"].values[finished], sure) for name in QUANTITIES
         },
         "longest_wrongly_sure": float(np.max(one["longest_wrongly_sure"].values[finished], initial=0.0)),
         "nis": _consistency(one["nis_sum"].values[finished], one["nis_channels_sum"].values[finished]),
+        "own": {name: folded(figure) for name, figure in own().items() if name in one},
         "each": each,
     }
 
 
 def _ratio(one: xr.Dataset, other: xr.Dataset, counting: str) -> Estimate:
     both = ((one["state"] == State.finished) & (other["state"] == State.finished)).values
-    return paired_ratio(*(data[f"{counting}_rmse"].values[both] for data in (one, other)))
+    ratio = FIGURES[f"{counting}_rmse"].fold.ratio
+    assert ratio is not None
+    return ratio(*(data[f"{counting}_rmse"].values[both] for data in (one, other)))
 
 
 def _recoveries(
@@ -446,7 +379,7 @@ def _of_recoveries(times: Array) -> dict[str, Any]:
     ordered = np.sort(times[~np.isnan(times)])
     return {
         "recovered": share(int(np.isfinite(ordered).sum()), len(ordered)),
-        "recovery": (_order(ordered, 0.5), _order(ordered, 0.9)),
+        "recovery": (order(ordered, 0.5), order(ordered, 0.9)),
     }
 
 
@@ -465,44 +398,9 @@ def _courses(
     }
 
 
-def _unknown() -> Estimate:
-    return Estimate(np.nan, np.nan, np.nan)
-
-
-def _influence(r: Array) -> Array:
-    """Influence of each run on the logarithm of the root mean square, d_k."""
-    square = np.mean(r**2)
-    return r**2 / (2 * square) if square > 0 else np.zeros(len(r))
-
-
-def _log_interval(value: float, influence: Array) -> Estimate:
-    count = len(influence)
-    if count < 2:
-        return Estimate(value, np.nan, np.nan)
-    error = np.std(influence, ddof=1) / np.sqrt(count)
-    reach = float(np.exp(stdtrit(count - 1, (1 + CONFIDENCE) / 2) * error))
-    return Estimate(value, value / reach, value * reach)
-
-
-def _clopper_pearson(events: float, count: float) -> Estimate:
-    """Share of events, whose numbers may be effective ones."""
-    tail = (1 - CONFIDENCE) / 2
-    lower = betaincinv(events, count - events + 1, tail) if events > 0 else 0.0
-    upper = betaincinv(events + 1, count - events, 1 - tail) if events < count else 1.0
-    return Estimate(events / count, float(lower), float(upper))
-
-
-def _order(ascending: Array, share: float) -> float:
-    """Smallest value that at least a share of all values do not exceed; NaN if it is infinite."""
-    if len(ascending) == 0:
-        return float("nan")
-    value = float(ascending[int(np.ceil(share * len(ascending))) - 1])
-    return value if np.isfinite(value) else float("nan")
-
-
 def _consistency(total: Array, degrees: Array) -> Estimate:
     count = float(np.sum(degrees))
     if not count > 0:  # nor known
-        return _unknown()
+        return UNKNOWN
     lower, upper = chi_square_interval(int(count))
     return Estimate(float(np.sum(total)) / count, lower / count, upper / count)

@@ -33,12 +33,13 @@ from numpy.typing import NDArray
 
 from sim_scenarios import faults
 from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
-from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, FIGURES, SERIES
+from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, SERIES, figures
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu
 from sim_scenarios.folders import discard, filled, remove
+from sim_scenarios.metrics.statistics import rms
 from sim_scenarios.scenario import Scenario
-from sim_scenarios.timeline import RESOLUTION, inside
+from sim_scenarios.timeline import RESOLUTION, within
 
 NAME: Final = "campaign.zarr"
 DRAWN: Final = "drawn."
@@ -47,8 +48,11 @@ RUNS: Final = ("scenario", "filter", "run")
 ZARR_3: Final = zarr.__version__[0] >= "3"
 _CODEC: Final = "compressors" if ZARR_3 else "compressor"
 """What xarray calls the codec that is applied last."""
-OF_RUNS: Final = (*SERIES, *FIGURES, "state")
-"""Variables that the runs fill."""
+
+
+def of_runs() -> tuple[str, ...]:
+    """Variables that the runs fill."""
+    return (*SERIES, *figures(), "state")
 
 
 class State(IntEnum):
@@ -86,8 +90,9 @@ def is_there(folder: Path, identity: str) -> bool:
         raise InputError(f"{path} is not the data set of a campaign; give another --output, or --overwrite")
     if attributes["fingerprint"] != identity:
         raise InputError(
-            f"{folder} holds the results of a campaign with other settings or FMUs ({attributes['runs']} "
-            f"runs from seed {attributes['seed']}); give another --output, or --overwrite"
+            f"{folder} holds the results of a campaign with other settings, figures or FMUs "
+            f"({attributes['runs']} runs from seed {attributes['seed']}); give another --output, "
+            "or --overwrite"
         )
     return True
 
@@ -98,7 +103,7 @@ def create(
     """Data set of a campaign without results; it appears in the folder as a whole or not at all."""
     template = _template(plan, made, identity, bounds, plant)
     encoding: dict[Any, dict[str, Any]] = {name: {_CODEC: CRC32()} for name in template.variables}
-    for name in OF_RUNS:
+    for name in of_runs():
         encoding[name]["filters"] = [Zstd()]  # is read after the checksum, and written before it
     with filled(folder) as draft:
         template.to_zarr(
@@ -122,7 +127,7 @@ def discard_damaged(path: Path) -> list[str]:
     A chunk that no run fills cannot be made again, and the data set is refused.
     """
     arrays = dict(_group(path, "r").arrays())
-    for name in arrays.keys() - set(OF_RUNS):
+    for name in arrays.keys() - set(of_runs()):
         for index in np.ndindex(arrays[name].cdata_shape):
             if not _is_whole(path, arrays[name], name, index):
                 where = path / _chunk(name, index)
@@ -141,8 +146,8 @@ def _damaged(path: Path, arrays: Mapping[str, Any], index: tuple[int, ...]) -> l
     elif (arrays["state"].get_block_selection(index) == State.missing).any():
         return []
     else:
-        at = {name: (*index, *[0] * (arrays[name].ndim - len(index))) for name in OF_RUNS}
-        damaged = [_chunk(n, at[n]) for n in OF_RUNS if not _is_whole(path, arrays[n], n, at[n])]
+        at = {name: (*index, *[0] * (arrays[name].ndim - len(index))) for name in of_runs()}
+        damaged = [_chunk(n, at[n]) for n in of_runs() if not _is_whole(path, arrays[n], n, at[n])]
     if damaged:
         remove(state)  # first: from now on the runs are missing
     for chunk in damaged:
@@ -192,7 +197,7 @@ class Writer:
 
     def __init__(self, path: Path) -> None:
         group = _group(path, "r+")
-        self._arrays = {name: _writing_all(group[name]) for name in OF_RUNS}
+        self._arrays = {name: _writing_all(group[name]) for name in of_runs()}
         self._state = self._arrays.pop("state")
         self.times = int(group["time"].shape[0])
 
@@ -250,15 +255,16 @@ def _template(
         name: ((*RUNS, "time"), empty((*RUNS, "time"), "f8", np.nan), _attributes(*about))
         for name, about in SERIES.items()
     }
-    figures = {
-        name: (RUNS, empty(RUNS, "f8", np.nan), _attributes(*about)) for name, about in FIGURES.items()
+    single = {
+        name: (RUNS, empty(RUNS, "f8", np.nan), _attributes(one.unit, one.description))
+        for name, one in figures().items()
     }
     state = {
         "description": "What became of the run",
         "flag_values": np.array(list(State), dtype=np.int8),
         "flag_meanings": " ".join(s.name for s in State),
     }
-    data: xr.Dataset = xr.Dataset({**series, **figures, "state": (RUNS, empty(RUNS, "i1", 0), state)})
+    data: xr.Dataset = xr.Dataset({**series, **single, "state": (RUNS, empty(RUNS, "i1", 0), state)})
     data = data.assign_coords(
         scenario=(
             "scenario",
@@ -312,7 +318,7 @@ def _bounds(bounds: Sequence[xr.Dataset], time: NDArray[np.float64]) -> dict[str
     for name in BOUNDED:
         courses = [_bound(bound, name) for bound in bounds]
         series = np.full((len(bounds), len(time)), np.nan)
-        rms = np.full(len(bounds), np.nan)
+        over_window = np.full(len(bounds), np.nan)
         for i, (bound, sigma) in enumerate(zip(bounds, courses, strict=True)):
             if sigma is None:
                 continue
@@ -320,11 +326,11 @@ def _bounds(bounds: Sequence[xr.Dataset], time: NDArray[np.float64]) -> dict[str
             start, stop = (bound.attrs[f"evaluation.{edge}"] for edge in ("start", "stop"))
             known = time <= at[-1] + RESOLUTION
             series[i, known] = sigma[np.searchsorted(at, time[known] + RESOLUTION, side="right") - 1]
-            rms[i] = np.sqrt(np.mean(sigma[inside(at, start, stop)] ** 2))
+            over_window[i] = rms(within(at, sigma, start, stop))
         unit, what = ERRORS[name].unit, f"Posterior Cramer-Rao bound of the {ERRORS[name].title.lower()}"
         variables[f"{name}_bound"] = (("scenario", "time"), series, _attributes(unit, what))
         about = _attributes(unit, f"{what}: RMS over the window")
-        variables[f"{name}_bound_rms"] = ("scenario", rms, about)
+        variables[f"{name}_bound_rms"] = ("scenario", over_window, about)
     return variables
 
 

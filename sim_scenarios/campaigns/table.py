@@ -7,14 +7,13 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from sim_scenarios.campaigns.quantities import ERRORS
-from sim_scenarios.campaigns.statistics import CaseSummary, Estimate, Summary
+from sim_scenarios.campaigns.statistics import CaseSummary, Summary
 from sim_scenarios.metrics.certainty import QUANTITIES
-from sim_scenarios.units import ARCMIN
+from sim_scenarios.metrics.figures import own
+from sim_scenarios.metrics.folds import Estimate
+from sim_scenarios.units import Reading, reading
 
 Rows = list[list[str]]
-
-UNITS: Final = {"rad": ("arcmin", ARCMIN), "m/s": ("m/s", 1.0), "m": ("m", 1.0)}
-"""Unit in which people read a quantity, and its size."""
 
 PERCENT: Final = 0.01
 HOUR: Final = 3600.0
@@ -22,12 +21,12 @@ HOUR: Final = 3600.0
 
 def figures(case: CaseSummary) -> Rows:
     """Main table of a case, its heading first: a line for each filter."""
-    unit, size = unit_of(case)
+    unit = unit_of(case)
     handed_over = any(math.isfinite(one.hand_over[0]) for one in case.filters.values())
     rows = [
         [
             "filter",
-            f"{ERRORS[case.counting].title.lower()}\nRMSE [{unit}]",
+            f"{ERRORS[case.counting].title.lower()}\nRMSE [{unit.name}]",
             "95 %\ninterval",
             "/\nbound",
             f"/ {case.reference}\n(95 %)",
@@ -40,7 +39,7 @@ def figures(case: CaseSummary) -> Rows:
         ]
     ]
     for label, one in case.filters.items():
-        rmse = one.rmse[case.counting] / size
+        rmse = one.rmse[case.counting] / unit.size
         rows.append(
             [
                 label,
@@ -94,9 +93,25 @@ def certainty(case: CaseSummary) -> Rows:
 
 def errors(case: CaseSummary) -> Rows:
     """RMSE of every quantity, the heading of the table first."""
-    rows = [["filter", *(f"{q.title.lower()}\n[{UNITS[q.unit][0]}]" for q in ERRORS.values())]]
+    rows = [["filter", *(f"{q.title.lower()}\n[{reading(q.unit).name}]" for q in ERRORS.values())]]
     for label, one in case.filters.items():
-        values = [interval(one.rmse[name] / UNITS[q.unit][1]) for name, q in ERRORS.items()]
+        values = [interval(one.rmse[name] / reading(q.unit).size) for name, q in ERRORS.items()]
+        rows.append([label, *values])
+    return rows
+
+
+def own_figures(case: CaseSummary) -> Rows:
+    """Figures that other packages add, the heading of the table first; empty without any."""
+    figures = {
+        name: figure
+        for name, figure in own().items()
+        if all(name in one.own for one in case.filters.values())
+    }
+    if not figures:
+        return []
+    rows = [["filter", *(f"{figure.label}\n{figure.fold.name}" for figure in figures.values())]]
+    for label, one in case.filters.items():
+        values = [interval(one.own[name] / figure.reading.size) for name, figure in figures.items()]
         rows.append([label, *values])
     return rows
 
@@ -104,11 +119,11 @@ def errors(case: CaseSummary) -> Rows:
 def by_scenario(cases: Sequence[CaseSummary]) -> Rows:
     """RMSE of the error that counts, and bound: filters in lines, or scenarios if there are more of them."""
     units = [unit_of(case) for case in cases]
-    titles = [f"{case.label}: {case.counting} [{unit}]" for case, (unit, _) in zip(cases, units, strict=True)]
-    bounds = [number(case.bound_rms / size) for case, (_, size) in zip(cases, units, strict=True)]
+    titles = [f"{c.label}: {c.counting} [{unit.name}]" for c, unit in zip(cases, units, strict=True)]
+    bounds = [number(case.bound_rms / unit.size) for case, unit in zip(cases, units, strict=True)]
 
     def rmse(case: CaseSummary, one: Summary) -> str:
-        return interval(one.rmse[case.counting] / unit_of(case)[1])
+        return interval(one.rmse[case.counting] / unit_of(case).size)
 
     return _crossed("RMSE (95 % interval)", titles, cases, rmse, ["Cramer-Rao bound", *bounds])
 
@@ -157,9 +172,9 @@ def _crossed(
     return [list(column) for column in zip(*rows, strict=True)] if len(cases) > len(labels) else rows
 
 
-def unit_of(case: CaseSummary) -> tuple[str, float]:
-    """Unit in which people read the error that counts, and its size."""
-    return UNITS[ERRORS[case.counting].unit]
+def unit_of(case: CaseSummary) -> Reading:
+    """Unit in which people read the error that counts."""
+    return reading(ERRORS[case.counting].unit)
 
 
 def for_machines(case: CaseSummary) -> dict[str, Any]:
@@ -191,6 +206,7 @@ def for_machines(case: CaseSummary) -> dict[str, Any]:
                 "nis": _estimate(one.nis),
                 "nees_at_the_end": _estimate(one.nees),
                 "nees_at": {f"{instant:g}": _estimate(value) for instant, value in one.nees_at.items()},
+                **{name: _estimate(value) for name, value in one.own.items()},
             }
             for label, one in case.filters.items()
         },

@@ -27,11 +27,11 @@ def show_bound(
         truenorth bound zigzag
         truenorth bound waves --set gnss.velocity_sigma=0.02 --set gnss.rate=10
     """
-    from sim_scenarios import report, simulation  # slow: xarray, matplotlib
+    from sim_scenarios import report, scenario_bound  # slow: xarray, matplotlib
 
     with refusing_bad_input():
         results = Results(output)
-        data = simulation.bound(scenario, seed=seed, set=settings(set_, set_from))
+        data = scenario_bound.bound(scenario, seed=seed, set=settings(set_, set_from))
         files = results.write(data, report.report_bound, f"{data.attrs['scenario']}-bound")
     if as_json:
         steady = data.attrs.get("bound.heading_rms_steady")

@@ -177,6 +177,8 @@ def _print(cases: list[CaseSummary], effort: Effort, files: dict[str, str]) -> N
         console().print(case.label, style="bold", highlight=False, markup=False)
         print_table(table.figures(case))
         print_table(table.certainty(case))
+        if rows := table.own_figures(case):
+            print_table(rows)
         console().print()
     for chunk in effort.damaged[:MOST_FAILURES]:
         typer.echo(f"{chunk} was lost or damaged; its runs have been done again", err=True)

@@ -36,7 +36,7 @@ from sim_scenarios.cli.terminal import (
 from sim_scenarios.errors import InputError
 from sim_scenarios.folders import filled
 from sim_scenarios.matrix import combinations
-from sim_scenarios.metrics.verdict import status_at_end
+from sim_scenarios.metrics.status import status_at_end
 from sim_scenarios.names import file_name, file_names
 from sim_scenarios.recording import save
 from sim_scenarios.recordings import comparison, outages, side_by_side

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 
+from sim_scenarios.connection import TRUTH, filter_values, initial_values, start_plant
 from sim_scenarios.cosimulation import connected, handed_over
 from sim_scenarios.fmus import ALIGNMENT_FILTER, PLAYBACK, Fmu, Fmus, Number
 from sim_scenarios.scenario import Scenario
-from sim_scenarios.simulation import TRUTH, filter_values, initial_values, start_plant
 
 PLANT, ALIGNMENT, FILTER = "plant", "alignment", "filter"
 SHOWN = ("nav.", "misalignment", "heading_sigma", "converged", "rejected_", "used_fixes", "truth.")

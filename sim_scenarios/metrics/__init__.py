@@ -1,14 +1,14 @@
 """What a run was worth: one verdict, on the heading of an alignment or on navigation as a whole.
 
-Angles wrap only here, where they are evaluated.
+A verdict is made of `figures`, and so is whatever else tells one.
 """
 
 from __future__ import annotations
 
 import xarray as xr
 
-from sim_scenarios.fmus import NAVIGATION_FILTER
 from sim_scenarios.metrics import alignment, navigation
+from sim_scenarios.metrics.errors import that_counts
 from sim_scenarios.metrics.verdict import Verdict
 
 __all__ = ["Verdict", "judge"]
@@ -21,4 +21,4 @@ def judge(run: xr.Dataset) -> Verdict:
 
 def is_navigation(run: xr.Dataset) -> bool:
     """Whether the filter of a run is there to navigate, not to align alone."""
-    return run.attrs.get("filter_fmu") == NAVIGATION_FILTER
+    return that_counts(run.attrs) == "horizontal"

@@ -6,28 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from sim_scenarios.attitude import wrap
-from sim_scenarios.metrics.statistics import (
-    heading_rmse,
-    holds_since,
-    reports_convergence,
-    rms,
-    sigma_of_heading,
-)
-from sim_scenarios.metrics.verdict import (
-    Rmse,
-    Verdict,
-    cell,
-    common,
-    is_fit,
-    known,
-    own_status_at_end,
-    window,
-)
-from sim_scenarios.timeline import within
+from sim_scenarios.metrics.figures import over_evaluation
+from sim_scenarios.metrics.verdict import Rmse, Verdict, cell, common, given, known
 from sim_scenarios.units import ARCMIN
 
 
@@ -36,7 +18,7 @@ class AlignmentVerdict(Verdict):
     """How well a filter aligned; SI units, None where a figure does not exist.
 
     `ok`: the RMSE of the heading over the evaluation window and its error at the end are within the limit,
-    and the status of the end is one of `FIT`.
+    and the status of the end is one of `status.FIT`.
 
     Attributes
     ----------
@@ -126,22 +108,15 @@ class AlignmentVerdict(Verdict):
 
 def judge(run: xr.Dataset) -> AlignmentVerdict:
     """Verdict on the heading of one filter of a run (a data set of `sim_scenarios.run`)."""
-    start, stop = window(run)
-    limit = float(run.attrs["evaluation.heading_limit"])
-    time, error = run["time"].values, wrap(run["heading_error"].values)
-    inside = within(time, error, start, stop)
-    rmse = heading_rmse(time, error, start, stop)
-    status = own_status_at_end(run)
+    figure = over_evaluation(run)
     return AlignmentVerdict(
-        ok=bool(rmse <= limit and abs(error[-1]) <= limit and is_fit(status)),
-        status=status,
-        heading_rmse=rmse,
-        heading_mean=float(np.mean(inside)),
-        heading_largest=float(np.max(np.abs(inside))),
-        heading_end=float(error[-1]),
-        heading_sigma=rms(within(time, sigma_of_heading(run), start, stop)),
-        convergence_time=holds_since(time, np.abs(error) <= limit),
-        claimed_time=holds_since(time, reports_convergence(run)),
+        heading_rmse=figure("heading_rmse"),
+        heading_mean=figure("heading_mean"),
+        heading_largest=figure("heading_largest"),
+        heading_end=figure("heading_end"),
+        heading_sigma=figure("heading_sigma_rms"),
+        convergence_time=given(figure("convergence_time")),
+        claimed_time=given(figure("claimed_time")),
         bound=run.attrs.get("bound.heading_rms"),
         **common(run),
     )

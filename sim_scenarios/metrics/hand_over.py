@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from sim_scenarios.metrics.verdict import status_at_end
+from sim_scenarios.metrics.status import status_at_end
 from sim_scenarios.recording import ALIGNMENT, HAND_OVER
 from sim_scenarios.timeline import RESOLUTION
 from sim_scenarios.units import ARCMIN

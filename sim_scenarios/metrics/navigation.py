@@ -7,28 +7,14 @@ single fix does has not navigated. Nor has one that waits for an alignment when 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from sim_scenarios.attitude import wrap
 from sim_scenarios.metrics import hand_over
+from sim_scenarios.metrics.figures import over_evaluation
 from sim_scenarios.metrics.hand_over import HandOver
-from sim_scenarios.metrics.statistics import nees_of, rms
-from sim_scenarios.metrics.verdict import (
-    Rmse,
-    Verdict,
-    cell,
-    common,
-    is_fit,
-    known,
-    own_status_at_end,
-    window,
-)
-from sim_scenarios.recording import under_way
-from sim_scenarios.timeline import within
+from sim_scenarios.metrics.verdict import Rmse, Verdict, cell, common, given, known
 from sim_scenarios.units import ARCMIN
 
 
@@ -36,8 +22,8 @@ from sim_scenarios.units import ARCMIN
 class NavigationVerdict(Verdict):
     """How well a filter navigated: root mean square errors of a run over the window; SI units.
 
-    `ok`: the horizontal RMSE is within the limit, and the status of the end is one of `FIT`. Errors are
-    NaN if the filter had no start by the window.
+    `ok`: the horizontal RMSE is within the limit, and the status of the end is one of `status.FIT`. Errors
+    are NaN if the filter had no start by the window.
 
     Attributes
     ----------
@@ -145,44 +131,17 @@ class NavigationVerdict(Verdict):
 
 def judge(run: xr.Dataset) -> NavigationVerdict:
     """Verdict on the navigation of one filter of a run (a data set of `sim_scenarios.run`)."""
-    handed = hand_over.of_run(run)
-    status, limit = own_status_at_end(run), float(run.attrs["evaluation.horizontal_limit"])
-    if handed is not None and not handed.in_time:
-        return NavigationVerdict(
-            ok=False,
-            status=status,
-            horizontal=nan,
-            vertical=nan,
-            velocity=nan,
-            tilt=nan,
-            yaw=nan,
-            limit=limit,
-            horizontal_sigma=None,
-            nees=None,
-            hand_over=handed,
-            **common(run),
-        )
-    run = under_way(run)
-    start, stop = window(run)
-    time = run["time"].values
-
-    def inside(name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-        return within(time, run[name].values, start, stop)
-
-    position, attitude = inside("position_error"), wrap(inside("attitude_error"))
-    horizontal = rms(position[:, :2])
-    sigma = rms(inside("position_sigma")[:, :2]) if "position_sigma" in run else None
+    figure, handed = over_evaluation(run), hand_over.of_run(run)
+    began = handed is None or handed.in_time
     return NavigationVerdict(
-        ok=bool(horizontal <= limit and is_fit(status)),
-        status=status,
-        horizontal=horizontal,
-        vertical=rms(position[:, 2]),
-        velocity=rms(inside("velocity_error")),
-        tilt=rms(attitude[:, :2]),
-        yaw=rms(wrap(inside("heading_error"))),
-        limit=limit,
-        horizontal_sigma=sigma,
-        nees=float(np.mean(within(time, nees_of(run), start, stop))) if "covariance" in run else None,
+        horizontal=figure("horizontal_rmse"),
+        vertical=figure("vertical_rmse"),
+        velocity=figure("velocity_rmse"),
+        tilt=figure("tilt_rmse"),
+        yaw=figure("heading_rmse"),
+        limit=float(run.attrs["evaluation.horizontal_limit"]),
+        horizontal_sigma=given(figure("horizontal_sigma_rms")) if began else None,
+        nees=given(figure("nees")),
         hand_over=handed,
         **common(run),
     )

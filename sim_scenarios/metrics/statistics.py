@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import chdtri
 
 from sim_scenarios.attitude import wrap
-from sim_scenarios.timeline import within
+from sim_scenarios.recording import under_way
+from sim_scenarios.timeline import Window, inside
 
 Array = NDArray[np.float64]
 
@@ -58,26 +59,6 @@ def rms(values: ArrayLike) -> float:
     """Root mean square of lengths: vectors lie along the last of two dimensions."""
     squares = np.square(np.asarray(values, dtype=float))
     return float(np.sqrt(np.mean(squares.sum(axis=-1) if squares.ndim > 1 else squares)))
-
-
-def heading_rmse(time: Array, error: Array, start: float, stop: float) -> float:
-    """Root mean square of a heading error, wrapped, over start..stop.
-
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        [s]
-    error : ndarray, shape (n,)
-        [rad]
-    start, stop : float
-        Window, ends included [s].
-
-    Returns
-    -------
-    float
-        [rad]
-    """
-    return rms(wrap(within(time, error, start, stop)))
 
 
 def holds_since(time: Array, condition: NDArray[np.bool_]) -> float | None:
@@ -150,8 +131,20 @@ def nees_of(run: xr.Dataset) -> Array:
     Returns
     -------
     ndarray, shape (times,)
-        NaN if there are no such states.
+        NaN if there are no such states, of a filter that puts out no covariance, and before an alignment has
+        handed over. The variable `nees` of a run that has it in place of the covariance.
     """
+    if "nees" in run:
+        known: Array = run["nees"].values
+        return known
+    found = np.full(run.sizes["time"], np.nan)
+    part = under_way(run)
+    if "covariance" in run and part.sizes["time"]:
+        found[-part.sizes["time"] :] = _nees(part)
+    return found
+
+
+def _nees(run: xr.Dataset) -> Array:
     tight = "clock_bias_sigma" in run and bool(run["clock_bias_sigma"].values.any())
     names = ("accelerometer_bias",) if tight else ("gyro_bias", "accelerometer_bias")
     error = {"attitude": wrap(run["attitude_error"].values), "velocity": run["velocity_error"].values}
@@ -195,6 +188,14 @@ def reports_convergence(run: xr.Dataset) -> NDArray[np.bool_]:
         return np.zeros(run.sizes["time"], dtype=bool)
     converged: NDArray[np.bool_] = run["converged"].values
     return converged
+
+
+def nis_in(run: xr.Dataset, window: Window) -> tuple[Array, Array]:
+    """NIS and channels of the fixes that a filter used in a window, shape (fixes,); none if it tells none."""
+    if not tells_nis(run):
+        return np.empty(0), np.empty(0)
+    counted = run["fix_used"].values & inside(run["fix_time"].values, *window)
+    return run["nis"].values[counted], is_measured(run)[counted].sum(axis=1)
 
 
 def is_measured(run: xr.Dataset) -> NDArray[np.bool_]:

@@ -4,22 +4,16 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
-import numpy as np
 import xarray as xr
 
-from sim_scenarios.metrics import certainty
 from sim_scenarios.metrics.certainty import Certainty
-from sim_scenarios.metrics.statistics import NisStatistics, is_measured, nis_statistics, tells_nis
-from sim_scenarios.timeline import Window, inside
-
-FIT: Final = ("aligning", "converged")
-"""Status of a filter whose estimate may be relied on; in any other it may not, however small its error.
-
-A filter of somebody else's that has no status is judged by its error alone.
-"""
+from sim_scenarios.metrics.figures import certainty_of, over_evaluation, own, window
+from sim_scenarios.metrics.statistics import NisStatistics, nis_in, nis_statistics
+from sim_scenarios.metrics.status import is_fit, own_status_at_end
 
 
 class Rmse(NamedTuple):
@@ -45,6 +39,8 @@ class Verdict(ABC):
         If the filter counts them.
     certainty : Certainty
         How long it reported convergence, and whether it was right.
+    own : mapping of str to float
+        Figures that other packages add (`figures.own`), by name; SI units.
     """
 
     ok: bool
@@ -53,6 +49,7 @@ class Verdict(ABC):
     nis: NisStatistics
     used_fixes: int | None
     rejected_fixes: int | None
+    own: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def fit(self) -> bool:
@@ -93,6 +90,11 @@ class Verdict(ABC):
             "rejected_fixes": self.rejected_fixes,
             **self.certainty.figures(),
         }
+        if self.own:
+            units = {name: own()[name].unit for name in self.own}
+            figures["figures"] = {
+                name: {"value": known(value), "unit": units[name]} for name, value in self.own.items()
+            }
         return {name: known(value) if isinstance(value, float) else value for name, value in figures.items()}
 
     def __repr__(self) -> str:
@@ -105,16 +107,15 @@ class Verdict(ABC):
             "Fixes used, rejected": f"{self.used_fixes}, {self.rejected_fixes}",
         }
         untold = self.used_fixes is None or self.rejected_fixes is None
-        return {**self.certainty.headline(), **({} if untold else fixes)}
+        return {**self.certainty.headline(), **({} if untold else fixes), **self._own_figures()}
+
+    def _own_figures(self) -> dict[str, str]:
+        """Those of other packages as people read them, by title."""
+        return {own()[name].title: own()[name].text(value) for name, value in self.own.items()}
 
     def _fix_cells(self) -> dict[str, str]:
         refused = "-" if self.rejected_fixes is None else str(self.rejected_fixes)
         return {"NIS /\nchan.": cell(self.nis.mean, 2), "refused": refused}
-
-
-def is_fit(status: str | None) -> bool:
-    """Whether the estimate of a filter with a status may be relied on."""
-    return status is None or status in FIT
 
 
 def known(value: float) -> float | None:
@@ -122,43 +123,26 @@ def known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
+def given(value: float) -> float | None:
+    """A figure; None where there is none."""
+    return None if math.isnan(value) else value
+
+
 def cell(value: float, digits: int) -> str:
     """A figure in a table."""
     return "-" if known(value) is None else f"{value:.{digits}f}"
 
 
-def window(run: xr.Dataset) -> Window:
-    """Start and stop of the evaluation of a run [s]."""
-    return float(run.attrs["evaluation.start"]), float(run.attrs["evaluation.stop"])
-
-
-def own_status_at_end(run: xr.Dataset) -> str | None:
-    """Name of the status of the filter at the end; None of one that has none."""
-    return status_at_end(run) if "status" in run else None
-
-
-def status_at_end(run: xr.Dataset, name: str = "status") -> str:
-    """Name of the status of the filter at the end, or of another variable of that kind."""
-    status = run[name]
-    names = dict(zip(status.attrs["flag_values"], status.attrs["flag_meanings"].split(), strict=True))
-    return str(names[int(status.values[-1])])
-
-
 def common(run: xr.Dataset) -> dict[str, Any]:
-    """What every verdict says of a run: its fixes, and whether the filter was rightly sure."""
-    rejected = None
-    if "rejected_fixes" in run:
-        rejected = int(run["rejected_fixes"].values[-1]) if run.sizes["fix"] else 0
+    """What every verdict says of a run: its status, its fixes, and whether the filter was rightly sure."""
+    figure = over_evaluation(run)
+    used, rejected = (given(figure(f"{what}_fixes")) for what in ("used", "rejected"))
     return {
-        "nis": _nis(run),
-        "used_fixes": int(run["fix_used"].values.sum()) if "fix_used" in run else None,
-        "rejected_fixes": rejected,
-        "certainty": certainty.of_run(run),
+        "ok": bool(figure("success")),
+        "status": own_status_at_end(run),
+        "nis": nis_statistics(*nis_in(run, window(run))),
+        "used_fixes": None if used is None else int(used),
+        "rejected_fixes": None if rejected is None else int(rejected),
+        "certainty": certainty_of(run),
+        "own": {one.name: figure(one.name) for one in own().values()},
     }
-
-
-def _nis(run: xr.Dataset) -> NisStatistics:
-    if not tells_nis(run):
-        return nis_statistics(np.empty(0), 0)
-    counted = run["fix_used"].values & inside(run["fix_time"].values, *window(run))
-    return nis_statistics(run["nis"].values[counted], is_measured(run)[counted].sum(axis=1))

@@ -22,7 +22,7 @@ the scenario compares ::
     window = [300.0, 600.0]              # s; the scenario's own, if left out
     differences = { heading = "Why what is measured differs, in a sentence" }
 
-    [experiment.table.printed]           # filter, or ratio of two: figures of `ensemble.FIGURES`
+    [experiment.table.printed]           # filter, or ratio of two: figures of `metrics.figures`
     "UKF" = { heading = 16.9 }
     "robust UKF / UKF" = { heading = 0.25, settling = "sooner" }
 
@@ -61,9 +61,9 @@ from pydantic import AfterValidator, Field, StringConstraints, ValidationError, 
 
 from sim_scenarios import toml
 from sim_scenarios.catalogue import PAPERS, files
-from sim_scenarios.ensemble import FIGURES
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
+from sim_scenarios.metrics.figures import known
 from sim_scenarios.plots.ensemble import PANELS
 from sim_scenarios.scenario import Table
 from sim_scenarios.timeline import Window
@@ -77,7 +77,7 @@ Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 
 
 def _figure(name: str) -> str:
-    return _known("figure", name, list(FIGURES))
+    return _known("figure", name, list(known()))
 
 
 def _panel(name: str) -> str:

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from sim_scenarios.campaigns.statistics import Estimate, share
-from sim_scenarios.ensemble import FIGURES, Ensemble
+from sim_scenarios.ensemble import Ensemble
+from sim_scenarios.metrics.folds import Estimate, share
 from sim_scenarios.papers import OVER, Experiment, Sweep
 
 
@@ -89,8 +89,8 @@ def points(sweep: Sweep, value: float, runs: Ensemble) -> list[Point]:
     """Every filter of a sweep at one of its values."""
     found = []
     for label in sweep.filters:
-        each = FIGURES["settling"].of_each(runs.filters[label], runs.window)
-        converged = share(sum(time < float("inf") for time in each), len(each))
+        each = runs.of_each("settling", label)
+        converged = share(int((each < float("inf")).sum()), len(each))
         found.append(Point(value, label, len(each), converged, runs.figure("median_settling", label)))
     return found
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim_scenarios import markdown
+from sim_scenarios.connection import parameter
 from sim_scenarios.ensemble import Ensemble
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import filled
@@ -23,7 +24,6 @@ from sim_scenarios.papers.reproduction import Result
 from sim_scenarios.plots.ensemble import converged, drawn
 from sim_scenarios.plots.style import png
 from sim_scenarios.scenario import Scenario
-from sim_scenarios.simulation import parameter
 
 Array = NDArray[np.float64]
 
@@ -171,13 +171,13 @@ def _slug(title: str) -> str:
 
 def _told(runs: Ensemble, scenario: Scenario) -> Callable[[str], Array | None]:
     """What is true of a panel: the velocity, or the sigma of the fixes over time."""
-    time = next(iter(runs.filters.values())).time
+    time = runs.first["time"].values
     axes: Mapping[str, int] = {"east": 1, "north": 2, "height": 3}
 
     def told(panel: str) -> Array | None:
         kind, _, what = panel.partition("_")
         if kind == "value":
-            return runs.velocity[:, axes[what.removeprefix("velocity_")] - 1]
+            return runs.first["truth.velocity"].values[:, axes[what.removeprefix("velocity_")] - 1]
         if kind != "sigma":
             return None
         quantity, _, axis = what.rpartition("_")

@@ -5,48 +5,25 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import NDArray
 
-from sim_scenarios.campaigns.statistics import (
-    Estimate,
-    mean_of,
-    paired_ratio,
-    ratio_of_means,
-    root_mean_square,
-)
 from sim_scenarios.cosimulation import Progress
-from sim_scenarios.ensemble import (
-    FIGURES,
-    Ensemble,
-    Errors,
-    at_end,
-    ensemble,
-    largest,
-    mean_rmse,
-    rmse,
-    run_file,
-)
+from sim_scenarios.ensemble import Ensemble, ensemble, run_file, variables
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.metrics.figures import Figure, known
 from sim_scenarios.papers import OVER, Experiment, Paper, Printed, Sweep
 from sim_scenarios.recordings.folder import RECORDINGS, recording_named
 from sim_scenarios.scenario import Scenario, load_scenario
 from sim_scenarios.timeline import Window
 
-OfOne = Callable[[ArrayLike], Estimate]
-OfTwo = Callable[[ArrayLike, ArrayLike], Estimate]
-INTERVALS: Final[Mapping[Callable[[Errors], float], tuple[OfOne, OfTwo]]] = {
-    rmse: (root_mean_square, paired_ratio),
-    mean_rmse: (mean_of, ratio_of_means),
-    largest: (mean_of, ratio_of_means),
-    at_end: (mean_of, ratio_of_means),
-}
-"""What gives the interval of a statistic of runs, and of its ratio, from the statistic of every run."""
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -58,7 +35,7 @@ class Row:
     label : str
         Filter, or the two of a ratio.
     figure : str
-        Name in `ensemble.FIGURES`.
+        Name in `metrics.figures`.
     printed : float or str
     measured : float
         Over all runs, in the unit of the figure; a ratio has none.
@@ -78,8 +55,8 @@ class Row:
     @property
     def title(self) -> str:
         """The figure with its unit."""
-        figure = FIGURES[self.figure]
-        return figure.title if OVER in self.label or not figure.unit else f"{figure.title} [{figure.unit}]"
+        figure = known()[self.figure]
+        return figure.title if OVER in self.label else figure.label
 
     def cells(self) -> list[str]:
         """A line of the table."""
@@ -98,7 +75,7 @@ class Row:
         return {
             "filter": self.label,
             "figure": self.figure,
-            "unit": "1" if OVER in self.label else FIGURES[self.figure].unit,
+            "unit": "1" if OVER in self.label else known()[self.figure].reading.sign,
             "printed": self.printed,
             "measured": self.measured if math.isfinite(self.measured) else None,
             "interval": self.interval,
@@ -265,6 +242,7 @@ def result_of(plan: Plan, measured: Ensemble) -> Result:
 def _identity(scenario: Scenario, experiment: Experiment, fmus: Fmus, residuals: Path | None) -> str:
     """Of all that decides what a run of an experiment is, its seed apart."""
     content = {
+        "kept": variables(),
         "residuals": residuals and hashlib.sha256(residuals.read_bytes()).hexdigest(),
         "scenario": scenario.model_dump(mode="json"),
         "labels": experiment.labels(),
@@ -280,27 +258,26 @@ def beside(table: Printed, measured: Ensemble) -> Reproduced:
         for label, figures in table.printed.items()
         for name, value in figures.items()
     ]
-    differences = [f"{FIGURES[name].title}: {why}" for name, why in table.differences.items()]
+    differences = [f"{known()[name].title}: {why}" for name, why in table.differences.items()]
     return Reproduced(table.title, rows, differences)
 
 
 def _row(label: str, name: str, printed: float | str, measured: Ensemble, window: Window) -> Row:
     one, _, other = label.partition(OVER)
     value = measured.figure(name, one, window, over=other or None)
-    each = [FIGURES[name].of_each(measured.filters[which], window) for which in (one, other) if which]
-    spread = None if other else (min(each[0]), max(each[0]))
-    return Row(label, name, printed, value, _interval(name, each), spread)
+    each = [measured.of_each(name, which, window) for which in (one, other) if which]
+    spread = None if other else (float(each[0].min()), float(each[0].max()))
+    return Row(label, name, printed, value, _interval(known()[name], each), spread)
 
 
-def _interval(name: str, each: Sequence[Sequence[float]]) -> Window | None:
-    """Interval of a figure, or of the ratio of two filters over the same runs, from those of single runs.
-
-    A time of the root mean square over runs is no mean of times of runs, and has none.
-    """
-    if FIGURES[name].statistic not in INTERVALS:
+def _interval(figure: Figure, each: Sequence[Array]) -> Window | None:
+    """Interval of a figure, or of the ratio of two filters over the same runs, from those of single runs."""
+    if len(each) == 1:
+        estimate = figure.fold.estimate(each[0])
+    elif figure.fold.ratio is not None:
+        estimate = figure.fold.ratio(*each)
+    else:
         return None
-    of_one, of_two = INTERVALS[FIGURES[name].statistic]
-    estimate = of_one(each[0]) if len(each) == 1 else of_two(*each)
     return (estimate.lower, estimate.upper) if math.isfinite(estimate.lower) else None
 
 

@@ -7,31 +7,25 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Drawn
 from numpy.typing import NDArray
 
-from sim_scenarios.campaigns.statistics import Estimate
-from sim_scenarios.ensemble import (
-    HEADING,
-    HORIZONTAL,
-    NOISE,
-    POSITION,
-    TILT_EAST,
-    TILT_NORTH,
-    VELOCITY,
-    VERTICAL,
-    Ensemble,
-    Errors,
-    rms_over_runs,
-    rmse,
-)
+from sim_scenarios.ensemble import ESTIMATED_NOISE, Ensemble
+from sim_scenarios.metrics.errors import ERRORS, root_mean_square
+from sim_scenarios.metrics.folds import Estimate
+from sim_scenarios.metrics.statistics import rms
 from sim_scenarios.plots.style import INK, figure, lines
 from sim_scenarios.timeline import Window, inside
 from sim_scenarios.units import ARCMIN, DEGREE
 
 Array = NDArray[np.float64]
 EAST, NORTH, UP = 0, 1, 2
+
+
+Course = Callable[[xr.Dataset], tuple[Array, Array]]
+"""Times [s] and values [SI] of one filter of a run, shapes (n,) and (n,) or (n, k)."""
 
 
 @dataclass(frozen=True)
@@ -43,14 +37,17 @@ class Panel:
     title, unit : str
     size : float
         Of the unit, in SI.
-    columns : int or slice
-        Of the errors.
+    of : callable
+        The course of one filter of a run.
+    is_value : bool
+        Whether the course is an error that is shown upon what is true.
     """
 
     title: str
     unit: str
     size: float
-    columns: int | slice
+    of: Course
+    is_value: bool = False
 
     @property
     def label(self) -> str:
@@ -58,28 +55,43 @@ class Panel:
         return f"{self.title} [{self.unit}]"
 
 
-def _component(what: str, unit: str, columns: slice) -> dict[str, Panel]:
-    axes = ("east", "north", "up")
+def _error(name: str) -> Course:
+    error = ERRORS[name]
+    return lambda run: (run["time"].values, error.of(run))
+
+
+def _sigma_of_fixes(unit: str, axis: int) -> Course:
+    """Sigma of an axis of the fixes that were used, as the filter has estimated it."""
+
+    def of(run: xr.Dataset) -> tuple[Array, Array]:
+        used, estimate = run["fix_used"].values, run[ESTIMATED_NOISE]
+        channel = np.flatnonzero(np.array(estimate.attrs["units"].split()) == unit)[axis]
+        return run["fix_time"].values[used], estimate.values[used][:, channel]
+
+    return of
+
+
+def _components(what: str, unit: str) -> dict[str, Panel]:
     return {
-        f"{what}_{axis}": Panel(f"{what} error {axis}", unit, 1.0, columns.start + i)
-        for i, axis in enumerate(axes)
+        f"{what}_{axis}": Panel(f"{what} error {axis}", unit, 1.0, _error(f"{what}_{axis}"))
+        for axis in ("east", "north", "up")
     }
 
 
 PANELS: Final[Mapping[str, Panel]] = {
-    "heading": Panel("heading error", "'", ARCMIN, HEADING),
-    "heading_deg": Panel("heading error", "deg", DEGREE, HEADING),
-    "tilt_east": Panel("tilt error about east", "'", ARCMIN, TILT_EAST),
-    "tilt_north": Panel("tilt error about north", "'", ARCMIN, TILT_NORTH),
-    "horizontal": Panel("horizontal error", "m", 1.0, HORIZONTAL),
-    "height": Panel("height error", "m", 1.0, VERTICAL),
-    **_component("velocity", "m/s", VELOCITY),
-    **_component("position", "m", POSITION),
-    "value_velocity_east": Panel("velocity east", "m/s", 1.0, VELOCITY.start),
-    "sigma_position_east": Panel("sigma of a fix, position east", "m", 1.0, NOISE.start + EAST),
-    "sigma_position_north": Panel("sigma of a fix, position north", "m", 1.0, NOISE.start + NORTH),
-    "sigma_height": Panel("sigma of a fix, height", "m", 1.0, NOISE.start + UP),
-    "sigma_velocity_east": Panel("sigma of a fix, velocity east", "m/s", 1.0, NOISE.start + 3 + EAST),
+    "heading": Panel("heading error", "'", ARCMIN, _error("heading")),
+    "heading_deg": Panel("heading error", "deg", DEGREE, _error("heading")),
+    "tilt_east": Panel("tilt error about east", "'", ARCMIN, _error("tilt_east")),
+    "tilt_north": Panel("tilt error about north", "'", ARCMIN, _error("tilt_north")),
+    "horizontal": Panel("horizontal error", "m", 1.0, _error("horizontal")),
+    "height": Panel("height error", "m", 1.0, _error("vertical")),
+    **_components("velocity", "m/s"),
+    **_components("position", "m"),
+    "value_velocity_east": Panel("velocity east", "m/s", 1.0, _error("velocity_east"), is_value=True),
+    "sigma_position_east": Panel("sigma of a fix, position east", "m", 1.0, _sigma_of_fixes("m", EAST)),
+    "sigma_position_north": Panel("sigma of a fix, position north", "m", 1.0, _sigma_of_fixes("m", NORTH)),
+    "sigma_height": Panel("sigma of a fix, height", "m", 1.0, _sigma_of_fixes("m", UP)),
+    "sigma_velocity_east": Panel("sigma of a fix, velocity east", "m/s", 1.0, _sigma_of_fixes("m/s", EAST)),
 }
 """Panels by name."""
 
@@ -115,7 +127,7 @@ def drawn(
         What is true of a panel; drawn in ink where there is such a thing.
     """
     over_time = kind != "distribution"
-    time = runs.filters[labels[0]].time
+    time = runs.first["time"].values
     shown = window or ((float(time[0]), float(time[-1])) if over_time else runs.window)
     held = inside(time, *shown)
     with figure(rows=len(panels), height=1.2 + 2.2 * len(panels), sharex=over_time) as (picture, rows):
@@ -125,8 +137,8 @@ def drawn(
             if truth is not None:
                 axes.plot(time[held], truth[held] / panel.size, color=INK, lw=1.2, label="true")
             for label, colour, dashes in lines(labels):
-                errors = runs.filters[label].part(panel.columns, shown)
-                x, y = _curve(errors, kind, panel.size, None if truth is None else truth[held])
+                upon = truth[held] if truth is not None and kind == "value" and panel.is_value else None
+                x, y = _curve(runs.filters[label], panel, kind, shown, upon)
                 style = "default" if over_time else "steps-post"
                 axes.plot(x, y, dashes, color=colour, lw=1.2, label=label, drawstyle=style)
             if kind == "rms":
@@ -164,14 +176,20 @@ def converged(axis: str, values: Sequence[float], shares: Mapping[str, Sequence[
         return picture
 
 
-def _curve(errors: Errors, kind: str, size: float, truth: Array | None) -> tuple[Array, Array]:
-    if kind == "rms":
-        return errors.time, rms_over_runs(errors) / size
+def _curve(
+    runs: Sequence[xr.Dataset], panel: Panel, kind: str, window: Window, truth: Array | None
+) -> tuple[Array, Array]:
     if kind == "distribution":
-        each = np.sort([rmse(run) for run in errors.runs()]) / size
+        each = np.sort([rms(_shown(run, panel, window)[1]) for run in runs]) / panel.size
         return each, np.arange(1, len(each) + 1) / len(each)
-    first = errors.values[0]
-    signed = first[:, 0] if first.shape[1] == 1 else np.linalg.norm(first, axis=1)
+    time, values = _shown(root_mean_square(runs) if kind == "rms" else runs[0], panel, window)
+    signed = values if values.ndim == 1 else np.linalg.norm(values, axis=1)
     known = np.isfinite(signed)
-    upon = truth if kind == "value" and truth is not None else np.zeros(len(signed))
-    return errors.time[known], (signed + upon)[known] / size
+    upon = np.zeros(len(signed)) if truth is None else truth
+    return time[known], (signed + upon)[known] / panel.size
+
+
+def _shown(run: xr.Dataset, panel: Panel, window: Window) -> tuple[Array, Array]:
+    time, values = panel.of(run)
+    held = inside(time, *window)
+    return time[held], values[held]

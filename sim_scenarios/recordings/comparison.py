@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from sim_scenarios.attitude import wrap
 from sim_scenarios.metrics import certainty
 from sim_scenarios.metrics.certainty import WRONG, Certainty
-from sim_scenarios.metrics.statistics import is_measured, nees_of, rms
+from sim_scenarios.metrics.figures import FIGURES
+from sim_scenarios.metrics.statistics import is_measured, rms
 from sim_scenarios.metrics.verdict import known
 from sim_scenarios.recording import ERRORS
 from sim_scenarios.recordings import track
@@ -176,15 +177,18 @@ def against_reference(run: xr.Dataset) -> AgainstReference | None:
     run = compared(run)
     if run.sizes["time"] < 2 or not any(name in run for name in ERRORS):
         return None
-    error = {name: run[name].values if name in run else np.full((1, 3), nan) for name in ERRORS}
-    complete = all(name in run for name in ERRORS) and "covariance" in run
+    whole = float(run["time"].values[0]), float(run["time"].values[-1])
+
+    def figure(name: str) -> float:
+        return FIGURES[name].of(run, whole)
+
     return AgainstReference(
-        horizontal=_rms_of_norm(error["position_error"][:, :2]),
-        vertical=_rms_of_norm(error["position_error"][:, 2:]),
-        velocity=_rms_of_norm(error["velocity_error"]),
-        tilt=_rms_of_norm(wrap(error["attitude_error"][:, :2])),
-        heading=rms(wrap(run["heading_error"].values)) if "heading_error" in run else nan,
-        nees=float(np.mean(nees_of(run))) if complete else nan,
+        horizontal=figure("horizontal_rmse"),
+        vertical=figure("vertical_rmse"),
+        velocity=figure("velocity_rmse"),
+        tilt=figure("tilt_rmse"),
+        heading=figure("heading_rmse"),
+        nees=figure("nees") if all(name in run for name in ERRORS) else nan,
         certainty=certainty.of_run(run),
     )
 

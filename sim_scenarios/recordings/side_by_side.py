@@ -12,7 +12,8 @@ import xarray as xr
 from sim_scenarios.cosimulation import Progress, part_of
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.metrics.verdict import cell, status_at_end
+from sim_scenarios.metrics.status import status_at_end
+from sim_scenarios.metrics.verdict import cell
 from sim_scenarios.recordings import comparison, outages
 from sim_scenarios.recordings.description import load
 from sim_scenarios.recordings.replay import replay

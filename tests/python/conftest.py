@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Callable, Iterator
+from importlib.metadata import EntryPoint
 
 import pytest
 import xarray as xr
@@ -10,6 +12,7 @@ import xarray as xr
 import sim_scenarios
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, PLANT, Fmus, load
+from sim_scenarios.metrics import figures
 
 
 @pytest.fixture(scope="session")
@@ -31,6 +34,19 @@ def ship(fmus: Fmus) -> xr.Dataset:
 def outliers(fmus: Fmus) -> xr.Dataset:
     """A comparison in which fixes are rejected."""
     return sim_scenarios.compare("gnss_outliers", seed=12, set={"duration": 400.0}, fmus=fmus)
+
+
+@pytest.fixture
+def register(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[dict[str, str]], None]]:
+    """Makes entry points known that other packages would bring for figures, by name."""
+
+    def registered(points: dict[str, str]) -> None:
+        made = {figures.GROUP: [EntryPoint(name, value, figures.GROUP) for name, value in points.items()]}
+        monkeypatch.setattr(figures, "entry_points", lambda group: made[group])
+        figures.own.cache_clear()
+
+    yield registered
+    figures.own.cache_clear()
 
 
 def pytest_configure() -> None:

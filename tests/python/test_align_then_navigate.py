@@ -13,7 +13,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import sim_scenarios
-from sim_scenarios import recording, simulation
+from sim_scenarios import connection, provenance, recording
 from sim_scenarios.campaigns.plan import cases, load_plan
 from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.campaigns.store import State
@@ -111,7 +111,7 @@ def test_jacobi_is_gauss_seidel_one_step_late(fmus: Fmus) -> None:
 def test_the_covariance_is_taken_over(fmus: Fmus) -> None:
     scenario = load_scenario("align_then_navigate", fmus, settings=SOON)
     with ExitStack() as stack:
-        source, sinks = simulation.connect(scenario, fmus, scenario.filters(), stack)
+        source, sinks = connection.connect(scenario, fmus, scenario.filters(), stack)
         assert source.alignment is not None
         for k in range(round(scenario.duration / STEP)):
             source.advance(k * STEP, STEP)
@@ -206,7 +206,7 @@ def bench(fmus: Fmus) -> Bench:
 def test_in_a_campaign_it_counts_as_a_failure(bench: Bench, fmus: Fmus) -> None:
     for settings, state in ((SOON, State.finished), (NEVER, State.failed)):
         (case,) = cases(load_plan("align_then_navigate", set=settings, filters=("loose",)), fmus)
-        outcome = bench.run(case, 3, simulation.attributes(case.scenario, fmus))
+        outcome = bench.run(case, 3, provenance.attributes(case.scenario, fmus))
         assert outcome.state == {"loose": state}
         assert ("loose: the alignment has not converged" in outcome.failure) == (state is State.failed)
         assert all(np.isfinite(values["horizontal_rmse"]) for values in outcome.kept.values())

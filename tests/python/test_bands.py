@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
+from made_up import run_with
 
 from sim_scenarios.bands import CHECKS, Band, Check, rows
-from sim_scenarios.ensemble import COLUMNS, FIGURES, HEADING, Ensemble, Errors
+from sim_scenarios.ensemble import Ensemble
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.metrics.figures import FIGURES
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.units import ARCMIN
 
 
 def runs_with(headings: dict[str, list[float]]) -> Ensemble:
     """Runs with a constant heading error each [arcmin]."""
-    filters = {}
-    for label, each in headings.items():
-        values = np.zeros((len(each), 2, COLUMNS))
-        values[:, :, HEADING] = np.array(each)[:, None] * ARCMIN
-        filters[label] = Errors(np.array([0.0, 1.0]), values, ARCMIN)
-    return Ensemble(filters, {"evaluation.start": 0.0, "evaluation.stop": 1.0})
+    return Ensemble(
+        {
+            label: [run_with([0.0, 1.0], heading=error * ARCMIN, limit=ARCMIN) for error in each]
+            for label, each in headings.items()
+        }
+    )
 
 
 def test_rows_are_root_mean_squares_over_runs() -> None:

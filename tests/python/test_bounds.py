@@ -11,7 +11,7 @@ from sim_scenarios.attitude import misalignment, wrap
 from sim_scenarios.bounds import POSITION, Knowledge, Log, Trajectory, _observation, cramer_rao
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.simulation import bound
+from sim_scenarios.scenario_bound import bound
 from sim_scenarios.units import ARCMIN, DEGREE
 
 TIME = np.arange(6001) / 10

@@ -7,7 +7,7 @@ import platform
 import numpy as np
 import pytest
 
-from sim_scenarios import simulation
+from sim_scenarios import provenance
 from sim_scenarios.campaigns.plan import Case, cases, load_plan
 from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.container import obstacle
@@ -42,7 +42,7 @@ def test_the_container_gives_the_results_of_the_master(
     fmus: Fmus, scenario: str, settings: dict[str, object]
 ) -> None:
     case = case_of(fmus, scenario, **settings)
-    attributes = simulation.attributes(case.scenario, fmus)
+    attributes = provenance.attributes(case.scenario, fmus)
     period = 10 * case.scenario.recording_period
     master, container = (
         Bench(period, master, fmus).run(case, 5, attributes) for master in (Master.python, Master.container)

@@ -14,12 +14,13 @@ import xarray as xr
 
 import sim_scenarios
 from sim_scenarios.attitude import wrap
+from sim_scenarios.connection import initial_values
 from sim_scenarios.cosimulation import connected
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmu, Fmus
 from sim_scenarios.instance import Instance
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.simulation import initial_values, simulated
+from sim_scenarios.simulation import simulated
 from sim_scenarios.stepping import Order
 from sim_scenarios.units import ARCMIN, DEGREE
 

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from pyins.strapdown import Integrator
 
 from sim_scenarios.attitude import wrap
+from sim_scenarios.connection import TRUTH, connect
 from sim_scenarios.cosimulation import Table
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.instance import Port
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.simulation import TRUTH, connect
 from sim_scenarios.units import ARCMIN
 
 Array = NDArray[np.float64]

@@ -29,11 +29,11 @@ from sim_scenarios.fmus import SIGNALS, Fmus
 from sim_scenarios.matrix import judged
 from sim_scenarios.metrics import judge
 from sim_scenarios.metrics.navigation import NavigationVerdict
+from sim_scenarios.provenance import attributes
 from sim_scenarios.recording import of_filter
 from sim_scenarios.report import comparison_table, report_comparison, report_run
 from sim_scenarios.runner import why_no_container
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.simulation import attributes
 from sim_scenarios.stepping import Master
 
 SCENARIO = """
@@ -213,7 +213,7 @@ def test_a_campaign_notices_another_fmu_of_that_name(folder: Path, fmus: Fmus) -
     campaign(path, folder / "out", runs=1, workers=1, fmus=Fmus(fmus))  # goes on
     foreign(fmus.filter, folder / "rivals" / "mine.fmu", ("nav.heading", "nav.roll"))  # with the same GUID
     unread = Fmus({name: fmus[name] for name in ("TruthPlant", "AlignmentFilter")})
-    with pytest.raises(InputError, match="other settings or FMUs"):
+    with pytest.raises(InputError, match="other settings, figures or FMUs"):
         campaign(path, folder / "out", runs=1, workers=1, fmus=unread)
 
 

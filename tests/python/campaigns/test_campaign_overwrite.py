@@ -38,7 +38,7 @@ def finished(fmus: Fmus, tmp_path: Path) -> Campaign:
         writer = store.Writer(campaign.path)
         shape = store.open_results(tmp_path).sizes["filter"], len(batch)
         values = {name: np.ones((*shape, writer.times)) for name in store.SERIES}
-        values |= {name: np.ones(shape) for name in store.FIGURES}
+        values |= {name: np.ones(shape) for name in store.figures()}
         writer.write(batch, values, np.full(shape, State.finished, np.int8))
     return campaign
 

@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 import sim_scenarios
-from sim_scenarios.campaigns.quantities import kept
+from sim_scenarios.campaigns.quantities import figures, kept
+from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+
+
+@pytest.mark.parametrize("name", ["heading_error", "state", "horizontal_bound_rms"])
+def test_a_figure_that_has_the_name_of_another_variable_is_refused(
+    register: Callable[[dict[str, str]], None], name: str
+) -> None:
+    register({name: "own_figures:heading_peak"})
+    with pytest.raises(InputError, match=f"figure {name} .*: a campaign has another variable of that name"):
+        figures()
 
 
 def test_every_error_is_that_of_its_components(fmus: Fmus) -> None:

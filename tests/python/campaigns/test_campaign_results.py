@@ -10,9 +10,10 @@ import pytest
 import xarray as xr
 
 import sim_scenarios
+from sim_scenarios import provenance
 from sim_scenarios.campaigns import campaign
 from sim_scenarios.campaigns.plan import cases, load_plan
-from sim_scenarios.campaigns.quantities import FIGURES, SERIES
+from sim_scenarios.campaigns.quantities import KEPT, OTHERS, SERIES
 from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.campaigns.store import NAME, State, open_results
 from sim_scenarios.errors import InputError
@@ -38,7 +39,8 @@ def test_everything_is_labelled(results: xr.Dataset) -> None:
     assert dict(results.sizes) == {"scenario": 4, "filter": 2, "run": 5, "time": 21}
     assert results["seed"].values.tolist() == [3, 4, 5, 6, 7]
     assert results["time"].values[[0, 1, -1]].tolist() == [0, 2, 40]
-    for name in (*SERIES, *FIGURES, "heading_bound", "heading_bound_rms"):
+    assert {*map(str, results.variables)} - {*SERIES, *KEPT} <= {*OTHERS}
+    for name in (*SERIES, *KEPT, "heading_bound", "heading_bound_rms"):
         assert results[name].attrs["units"], name
         assert results[name].attrs["description"], name
 
@@ -85,7 +87,7 @@ def test_a_filter_that_fails_leaves_the_others_alone(fmus: Fmus, tmp_path: Path)
     path = tmp_path / "plan.toml"
     path.write_text('scenarios = ["waves"]\n[filters.good]\n[filters.bad]\n"robust.gamma" = -1.0\n')
     (case,) = cases(load_plan(path, set=SETTINGS), fmus)
-    attributes = sim_scenarios.simulation.attributes(case.scenario, fmus)
+    attributes = provenance.attributes(case.scenario, fmus)
     outcome = Bench(1.0, Master.auto, fmus).run(case, 1, attributes)
     assert outcome.state == {"good": State.finished, "bad": State.failed}
     assert "bad (AlignmentFilter) failed" in outcome.failure
@@ -96,7 +98,7 @@ def test_a_filter_that_fails_leaves_the_others_alone(fmus: Fmus, tmp_path: Path)
 def test_another_campaign_does_not_touch_the_results(
     results_folder: Path, plan_file: Path, fmus: Fmus
 ) -> None:
-    with pytest.raises(InputError, match="other settings or FMUs \\(5 runs from seed 3\\)"):
+    with pytest.raises(InputError, match="other settings, figures or FMUs \\(5 runs from seed 3\\)"):
         campaign(plan_file, results_folder, seed=4, fmus=fmus)
 
 

@@ -106,7 +106,7 @@ DAMAGE: dict[str, Damage] = {
 }
 
 
-EMPTY = (next(iter(store.SERIES)), next(iter(store.FIGURES)))
+EMPTY = (next(iter(store.SERIES)), next(iter(store.figures())))
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +120,7 @@ def original(fmus: Fmus, tmp_path_factory: pytest.TempPathFactory) -> Path:
     for batch in list(store.unfinished(path))[:-1]:
         value = float(batch.start)
         values = {name: np.full((filters, 1, writer.times), value) for name in store.SERIES}
-        values |= {name: np.full((filters, 1), value) for name in store.FIGURES}
+        values |= {name: np.full((filters, 1), value) for name in store.figures()}
         values |= {name: values[name] * np.nan for name in EMPTY}
         writer.write(batch, values, np.full((filters, 1), State.finished, np.int8))
     return path
@@ -138,7 +138,7 @@ def test_a_sound_data_set_is_left_alone(stored: Path) -> None:
 
 
 @pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE.keys())
-@pytest.mark.parametrize("name", [EMPTY[0], list(store.FIGURES)[1]])
+@pytest.mark.parametrize("name", [EMPTY[0], list(store.figures())[1]])
 def test_a_damaged_chunk_is_named_and_its_runs_are_done_again(
     stored: Path, name: str, damage: Damage
 ) -> None:
@@ -192,7 +192,7 @@ def test_a_batch_is_missing_until_its_state_is_written(
     writer = store.Writer(path)
     filters = store.open_results(tmp_path).sizes["filter"]
     values = {name: np.ones((filters, 1, writer.times)) for name in store.SERIES}
-    values |= {name: np.ones((filters, 1)) for name in store.FIGURES}
+    values |= {name: np.ones((filters, 1)) for name in store.figures()}
     writer.write(missing[3], values, np.full((filters, 1), State.finished, np.int8))
     assert list(store.unfinished(path)) == [*missing[:3], missing[4]]
     assert store.counts(path)[State.finished] == filters

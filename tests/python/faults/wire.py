@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios import simulation
+from sim_scenarios import connection, simulation
 from sim_scenarios.cosimulation import FmuSource, RecordedSource, Sink
 from sim_scenarios.fmus import Fmu, Fmus, Number
 from sim_scenarios.instance import Instance, Message, Signals
@@ -102,10 +102,10 @@ def run(
     """A scenario with a fault; messages of the filter are the attribute `messages`."""
     loaded = load_scenario(scenario, fmus, seed=seed, settings=dict(settings or {}))
     with ExitStack() as stack:
-        source, sinks = simulation.connect(loaded, fmus, {"filter": dict(loaded.filter)}, stack, order)
+        source, sinks = connection.connect(loaded, fmus, {"filter": dict(loaded.filter)}, stack, order)
         assert isinstance(source, FmuSource)
         disturbed = Disturbed(source, fault)
-        recorded = simulation.record(loaded, fmus, disturbed, sinks, order)
+        recorded = connection.record(loaded, fmus, disturbed, sinks, order)
         data = simulation.dataset(recorded, loaded, fmus, ["filter"])
         data.attrs["messages"] = [message.text for message in sinks[0].instance.messages]
     return data.squeeze("filter") if "filter" in data.dims else data

@@ -10,7 +10,9 @@ import xarray as xr
 from statuses import FLAGS
 from test_navigation import TIME, WINDOW, consistent
 
+from sim_scenarios.ensemble import gathered, thinned
 from sim_scenarios.metrics import hand_over, judge
+from sim_scenarios.metrics.figures import FIGURES
 from sim_scenarios.units import ARCMIN
 
 
@@ -24,6 +26,17 @@ def handed_over(converged_at: float, start: float) -> xr.Dataset:
     run["alignment.status"] = ("time", np.full(len(TIME), 2), FLAGS)
     errors = ("position_error", "velocity_error", "attitude_error", "heading_error")
     return run.assign({name: run[name].where(run["time"] >= start) for name in errors})
+
+
+@pytest.mark.parametrize(
+    ("converged_at", "start"), [(60.0, 60.0), (WINDOW[0] + 1, WINDOW[0] + 1), (60.0, np.nan)]
+)
+def test_what_is_kept_of_a_hand_over_makes_the_same_figures(converged_at: float, start: float) -> None:
+    run = handed_over(converged_at, start)
+    filters = xr.DataArray(["UKF"], dims="filter", name="filter")
+    ((kept,),) = gathered([thinned(xr.concat([run], dim=filters, combine_attrs="override"))]).filters.values()
+    for name, figure in FIGURES.items():
+        assert np.array_equal(figure.of(kept, WINDOW), figure.of(run, WINDOW), equal_nan=True), name
 
 
 def test_a_run_without_an_alignment_has_no_hand_over() -> None:

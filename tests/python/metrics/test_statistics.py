@@ -6,10 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import chi2
 
-from sim_scenarios.errors import InputError
 from sim_scenarios.metrics.statistics import (
     chi_square_interval,
-    heading_rmse,
     holds_since,
     nees,
     nis_statistics,
@@ -17,22 +15,6 @@ from sim_scenarios.metrics.statistics import (
 )
 
 TIME = np.arange(601.0)
-
-
-def test_rmse_of_a_constant_and_of_a_sine() -> None:
-    assert heading_rmse(TIME, np.full(601, -0.3), 300, 600) == pytest.approx(0.3)
-    sine = 0.1 * np.sin(2 * np.pi * TIME / 50)
-    assert heading_rmse(TIME, sine, 300, 599) == pytest.approx(0.1 / np.sqrt(2))
-
-
-def test_rmse_wraps_and_ignores_what_is_outside_the_window() -> None:
-    error = np.where(TIME < 300, 1.0, 2 * np.pi - 0.01)
-    assert heading_rmse(TIME, error, 300, 600) == pytest.approx(0.01)
-
-
-def test_rmse_needs_samples() -> None:
-    with pytest.raises(InputError, match="between 700 s and 800 s"):
-        heading_rmse(TIME, TIME, 700, 800)
 
 
 def test_a_condition_holds_since_it_was_last_broken() -> None:

@@ -8,15 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
+from made_up import run_with
 from typer.testing import CliRunner
 
-from sim_scenarios.campaigns.statistics import root_mean_square
 from sim_scenarios.catalogue import papers
 from sim_scenarios.cli import paper as command
 from sim_scenarios.cli.application import app
-from sim_scenarios.ensemble import COLUMNS, HEADING, NOISE, VELOCITY, Ensemble, Errors
+from sim_scenarios.ensemble import Ensemble
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.metrics.folds import root_mean_square
 from sim_scenarios.papers import Paper, Printed, load_paper
 from sim_scenarios.papers.claims import Swept, Timed, points
 from sim_scenarios.papers.page import draw, noise_scale
@@ -41,13 +43,15 @@ def test_a_paper_names_scenarios_and_filters_that_exist(name: str, fmus: Fmus) -
 
 def test_what_is_measured_stands_beside_what_is_printed() -> None:
     headings = {"UKF": [16.0, 12.0], "robust UKF": [8.0, 6.0]}
-    filters = {}
-    for label, each in headings.items():
-        values = np.zeros((2, 3, COLUMNS))
-        values[:, 1:, HEADING] = np.array(each)[:, None] * ARCMIN
-        values[:, 0, HEADING] = 600 * ARCMIN
-        filters[label] = Errors(np.array([0.0, 1.0, 2.0]), values, 30 * ARCMIN)
-    runs = Ensemble(filters, {"evaluation.start": 0.0, "evaluation.stop": 2.0})
+    runs = Ensemble(
+        {
+            label: [
+                run_with([0.0, 1.0, 2.0], heading=np.array([600, one, one]) * ARCMIN, limit=30 * ARCMIN)
+                for one in each
+            ]
+            for label, each in headings.items()
+        }
+    )
     table = Printed(
         title="Fig. 3",
         window=(1.0, 2.0),
@@ -84,11 +88,7 @@ def test_a_paper_that_there_is_not_is_refused() -> None:
 
 
 def test_a_single_run_has_no_interval() -> None:
-    values = np.zeros((1, 2, COLUMNS))
-    values[:, :, HEADING] = 12 * ARCMIN
-    runs = Ensemble(
-        {"UKF": Errors(np.array([0.0, 1.0]), values, 1.0)}, {"evaluation.start": 0.0, "evaluation.stop": 1.0}
-    )
+    runs = Ensemble({"UKF": [run_with([0.0, 1.0], heading=12 * ARCMIN)]})
     (row,) = beside(Printed(title="", printed={"UKF": {"heading": 16.9}}), runs).rows
     assert row.measured == pytest.approx(12)
     assert row.interval is None
@@ -118,15 +118,31 @@ def test_a_picture_of_what_there_is_not_is_refused(change: dict[str, object], re
         Paper.model_validate(content)
 
 
+def with_noise(run: xr.Dataset, used: list[float], sigma: float) -> xr.Dataset:
+    """A run whose filter has estimated the noise of its fixes, at some instants [s], as one sigma for all."""
+    names = {"units": "m m m m/s m/s m/s"}
+    return run.assign(
+        measurement_sigma_estimate=(("fix", "axis6"), np.full((len(used), 6), sigma), names),
+        fix_used=("fix", np.ones(len(used), dtype=bool)),
+    ).assign_coords(fix_time=("fix", used))
+
+
 def made_up() -> Ensemble:
     """Two runs of three instants: velocity errors 1, 2, 3 and 3, 2, 1 m/s, sigmas of 8 m."""
-    values = np.zeros((2, 3, COLUMNS))
-    values[:, :, VELOCITY.start] = [[1.0, 2.0, 3.0], [3.0, 2.0, 1.0]]
-    values[:, :, NOISE] = 8.0
-    values[0, 1, NOISE] = np.nan  # no fix
-    errors = Errors(np.array([0.0, 1.0, 2.0]), values, 1.0)
-    velocity = np.array([[10.0, 0, 0], [20.0, 0, 0], [30.0, 0, 0]])
-    return Ensemble({"UKF": errors}, {"evaluation.start": 1.0, "evaluation.stop": 2.0}, velocity)
+    true = ("time", "axis3"), np.array([[10.0, 0, 0], [20.0, 0, 0], [30.0, 0, 0]])
+    runs = [
+        run_with([0.0, 1.0, 2.0], window=(1.0, 2.0), velocity=np.outer(errors, [1, 0, 0]))
+        for errors in ([1, 2, 3], [3, 2, 1])
+    ]
+    fixes = ([0.0, 2.0], [0.0, 1.0, 2.0])
+    return Ensemble(
+        {
+            "UKF": [
+                with_noise(run, used, 8.0).assign({"truth.velocity": true})
+                for run, used in zip(runs, fixes, strict=True)
+            ]
+        }
+    )
 
 
 @pytest.mark.parametrize(
@@ -149,13 +165,19 @@ def test_what_is_drawn_is_what_was_measured(kind: str, panel: str, x: object, y:
 
 
 def told_velocity(runs: Ensemble, panel: str) -> np.ndarray | None:
-    return runs.velocity[:, 0] if panel.startswith("value") else None
+    return runs.first["truth.velocity"].values[:, 0] if panel.startswith("value") else None
+
+
+def test_an_estimate_stands_beside_what_is_true_and_not_upon_it() -> None:
+    picture = drawn(made_up(), "value", ["sigma_height"], ["UKF"], None, lambda _: np.full(3, 5.0))
+    curves = {line.get_label(): line.get_ydata().tolist() for line in picture.axes[0].get_lines()}
+    assert curves == {"true": [5.0, 5.0, 5.0], "UKF": [8.0, 8.0]}
 
 
 def test_a_window_cuts_curve_and_truth_alike() -> None:
     runs = made_up()
     picture = drawn(
-        runs, "value", ["value_velocity_east"], ["UKF"], (1.0, 2.0), lambda _: runs.velocity[:, 0]
+        runs, "value", ["value_velocity_east"], ["UKF"], (1.0, 2.0), lambda name: told_velocity(runs, name)
     )
     for line in picture.axes[0].get_lines():
         np.testing.assert_array_equal(line.get_xdata(), [1.0, 2.0])
@@ -186,11 +208,24 @@ def test_every_picture_is_drawn(name: str, fmus: Fmus) -> None:
     for experiment in paper.experiment:
         scenario = load_scenario(experiment.scenario, fmus, settings=experiment.set)
         time = np.arange(0.0, scenario.duration + 5.0, 10.0)
-        values = np.random.default_rng(1).standard_normal((2, len(time), COLUMNS))
+        rng = np.random.default_rng(1)
+        window = scenario.evaluation.start, scenario.evaluation.stop
+        made = [
+            run_with(
+                time,
+                window=window,
+                heading=rng.standard_normal(len(time)),
+                **{
+                    name: rng.standard_normal((len(time), 3)) for name in ("attitude", "velocity", "position")
+                },
+            ).assign({"truth.velocity": (("time", "axis3"), np.ones((len(time), 3)))})
+            for _ in range(2)
+        ]
         runs = Ensemble(
-            {label: Errors(time, values, 1.0) for label in experiment.labels()},
-            {"evaluation.start": scenario.evaluation.start, "evaluation.stop": scenario.evaluation.stop},
-            np.ones((len(time), 3)),
+            {
+                label: [with_noise(run, time[1:].tolist(), 3.0) for run in made]
+                for label in experiment.labels()
+            }
         )
         result = Result(experiment, scenario, runs, [])
         pictures += draw(paper, result)
@@ -282,10 +317,8 @@ def test_a_sweep_puts_each_value_where_it_belongs(tmp_path: Path, fmus: Fmus) ->
 
 
 def test_runs_that_stay_within_the_limit_have_converged() -> None:
-    values = np.zeros((3, 4, COLUMNS))
-    values[:, :, HEADING] = [[5.0, 0.5, 0.5, 0.5], [5.0, 5.0, 0.5, 0.5], [5.0, 0.5, 0.5, 5.0]]
-    errors = Errors(np.arange(4.0), values, 1.0)
-    runs = Ensemble({"EKF": errors}, {"evaluation.start": 2.0, "evaluation.stop": 3.0})
+    headings = [[3.0, 0.5, 0.5, 0.5], [3.0, 3.0, 0.5, 0.5], [3.0, 0.5, 0.5, 3.0]]
+    runs = Ensemble({"EKF": [run_with(np.arange(4.0), window=(2.0, 3.0), heading=h) for h in headings]})
     sweep = load_paper("zhao").sweep[0].model_copy(update={"filters": ("EKF",), "values": (30.0,)})
     (point,) = points(sweep, 30.0, runs)
     assert (point.runs, point.settled) == (3, 2.0)

@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 from dense_loose import AdaptiveFactor, Array, DenseLoose, GuardedIgg, Told, standard
 
-from sim_scenarios import attitude, simulation
+from sim_scenarios import attitude, connection, provenance, simulation
 from sim_scenarios.attitude import wrap
 from sim_scenarios.cosimulation import FmuSource, Table
 from sim_scenarios.earth import displacement
@@ -61,12 +61,12 @@ class Tap:
 def run(scenario: Scenario, fmus: Fmus) -> tuple[xr.Dataset, dict[str, Array]]:
     """Data set of the product's filters, and the signals that they were given."""
     with ExitStack() as stack:
-        source, sinks = simulation.connect(scenario, fmus, scenario.filters(), stack)
+        source, sinks = connection.connect(scenario, fmus, scenario.filters(), stack)
         assert isinstance(source, FmuSource)
         tap = Tap(source, round(scenario.duration / scenario.communication_step) + 1)
-        recorded = simulation.record(scenario, fmus, tap, sinks)
+        recorded = connection.record(scenario, fmus, tap, sinks)
     data = simulation.dataset(recorded, scenario, fmus, list(scenario.filters()))
-    data.attrs = simulation.attributes(scenario, fmus)
+    data.attrs = provenance.attributes(scenario, fmus)
     return data, tap.table.columns()
 
 

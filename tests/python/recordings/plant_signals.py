@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from sim_scenarios import simulation
+from sim_scenarios import connection
 from sim_scenarios.cosimulation import FmuSource, Table
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.instance import Instance, Port
@@ -133,8 +133,8 @@ def told_as_in(scenario: str, fmus: Fmus, seed: int = 21) -> dict[str, object]:
     plant = Instance(fmus.plant, "plant", loaded.plant)
     plant.begin_initialisation(0.0, loaded.duration)
     plant.finish_initialisation()
-    truth = dict(zip(simulation.TRUTH, plant.read(simulation.TRUTH), strict=True))
+    truth = dict(zip(connection.TRUTH, plant.read(connection.TRUTH), strict=True))
     plant.close()
     filter_fmu = fmus[loaded.filter_fmu]
-    start = simulation.initial_values(loaded, fmus.plant, truth)
-    return simulation.filter_values(filter_fmu, start, loaded.filter)
+    start = connection.initial_values(loaded, fmus.plant, truth)
+    return connection.filter_values(filter_fmu, start, loaded.filter)
