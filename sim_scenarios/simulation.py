@@ -34,6 +34,7 @@ from sim_scenarios.instance import Instance, Message, Port
 from sim_scenarios.scenario import FILTER, Scenario, load_scenario
 from sim_scenarios.stepping import Order
 from sim_scenarios.timeline import instants, whole
+from sim_scenarios.vehicles.motion import STATE, Driver
 from sim_scenarios.version import product_version
 
 Array = NDArray[np.float64]
@@ -191,7 +192,7 @@ def _true_trajectory(scenario: Scenario, fmus: Fmus) -> Trajectory:
     with ExitStack() as stack:
         plant = start_plant(scenario, fmus, stack)
         table = Table(Port(plant, TRUTH), len(times))
-        source = FmuSource(plant, TRUTH)
+        source = FmuSource(plant, TRUTH, driver(scenario, plant))
         table.append()
         for time, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
             source.advance(time, end - time)
@@ -271,12 +272,13 @@ def connect(
     source: FmuSource | AlignmentSource
     if scenario.alignment is None:
         taken = (name for fmu in used.values() for name in connected(fmus.plant.outputs(), fmu))
-        source = FmuSource(plant, list(dict.fromkeys((*taken, *FIX_SIGNALS))))
+        names = list(dict.fromkeys((*taken, *FIX_SIGNALS)))
+        source = FmuSource(plant, names, driver(scenario, plant))
         filters = {label: filter_values(used[label], start, values) for label, values in filters.items()}
     else:
         filter_fmu = fmus[scenario.filter_fmu]
         fmu = fmus[ALIGNMENT_FILTER]
-        signals = FmuSource(plant, connected(fmus.plant.outputs(), fmu))
+        signals = FmuSource(plant, connected(fmus.plant.outputs(), fmu), driver(scenario, plant))
         alignment = begun(fmu, ALIGNMENT, filter_values(fmu, start, scenario.alignment), signals)
         source = AlignmentSource(signals, alignment, filter_fmu, order)
     return source, [begun(used[label], label, values, source) for label, values in filters.items()]
@@ -412,10 +414,18 @@ def parameter(scenario: Scenario, plant: Fmu, name: str) -> Number:
 
 def start_plant(scenario: Scenario, fmus: Fmus, stack: ExitStack) -> Instance:
     """The plant of a scenario, initialised; the stack closes it."""
-    plant = stack.enter_context(closing(Instance(fmus.plant, "plant", scenario.plant)))
+    vehicle = scenario.vehicle()
+    first = {} if vehicle is None else dict(zip(STATE, vehicle.states(np.zeros(1))[0].tolist(), strict=True))
+    plant = stack.enter_context(closing(Instance(fmus.plant, "plant", {**scenario.plant, **first})))
     plant.begin_initialisation(0.0, scenario.duration)
     plant.finish_initialisation()
     return plant
+
+
+def driver(scenario: Scenario, plant: Instance) -> Driver | None:
+    """What tells the plant of a scenario how its vehicle moves; None if the plant moves by itself."""
+    vehicle = scenario.vehicle()
+    return None if vehicle is None else Driver(plant, vehicle)
 
 
 def _trajectory(time: Array, truth: Mapping[str, Array]) -> Trajectory:
@@ -473,6 +483,9 @@ def attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ())
     settings = {"plant": _readable(scenario.plant, plant), "filter": _readable(scenario.filter, filter_fmu)}
     if scenario.alignment is not None:
         settings["alignment"] = _readable(scenario.alignment, fmus[ALIGNMENT_FILTER])
+    for moved_by in (scenario.trajectory, scenario.waypoints):
+        if moved_by is not None:
+            settings["vehicle"] = {name: str(value) for name, value in moved_by.model_dump().items()}
     return {
         "scenario": scenario.name,
         "description": scenario.description,
