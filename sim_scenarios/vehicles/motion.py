@@ -37,6 +37,8 @@ STATE: Final = (
     ),
 )
 """Inputs of the plant that a state of a vehicle goes into."""
+HIGHEST_LATITUDE: Final = 1.57
+"""Of the plant, whose local-level frame excludes the poles [rad]."""
 SMOOTHEST: Final = 5
 """Degree of the splines, where there are enough points."""
 BLOCK: Final = 5000

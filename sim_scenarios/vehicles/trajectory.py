@@ -31,7 +31,7 @@ from sim_scenarios.recordings.readers.layouts import three
 from sim_scenarios.recordings.readers.sheets import Sheet
 from sim_scenarios.recordings.readers.time_columns import stamps
 from sim_scenarios.units import DEGREE
-from sim_scenarios.vehicles.motion import Points, Vehicle
+from sim_scenarios.vehicles.motion import HIGHEST_LATITUDE, Points, Vehicle
 
 Array = NDArray[np.float64]
 Place = Callable[[int], str]
@@ -41,8 +41,6 @@ _POSITION: Final = ("latitude", "longitude", "height")
 _ATTITUDE: Final = ("roll", "pitch", "heading")
 _VELOCITY, _ACCELERATION, _RATE = three("velocity"), three("acceleration"), three("rate", "right forward up")
 
-HIGHEST_LATITUDE: Final = 1.57
-"""Of the plant, whose local-level frame excludes the poles [rad]."""
 ASTRAY: Final = 0.1  # m
 SHARE_ASTRAY: Final = 0.01
 """Of the way between two rows, how far positions may be off that to which velocities lead, beside ASTRAY."""

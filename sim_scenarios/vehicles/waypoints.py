@@ -19,7 +19,7 @@ from sim_scenarios.attitude import wrap
 from sim_scenarios.earth import displaced, displacement
 from sim_scenarios.errors import InputError
 from sim_scenarios.units import DEGREE
-from sim_scenarios.vehicles.motion import Points, Vehicle
+from sim_scenarios.vehicles.motion import HIGHEST_LATITUDE, Points, Vehicle
 
 Array = NDArray[np.float64]
 
@@ -51,6 +51,7 @@ def vehicle(places: tuple[tuple[float, float, float], ...], speed: float, turn_r
         A turn is too sharp, or two places are too near for the turns at them.
     """
     located = np.array(places)
+    _check_latitudes(located[:, 0])
     origin = located[0] * [1.0, 1.0, 0.0]
     corners = displacement(located, np.broadcast_to(origin, located.shape))[:, :2]
     legs = np.diff(corners, axis=0)
@@ -96,6 +97,15 @@ def _cut(turn: float) -> float:
     x = (np.arange(PARTS) + 0.5) / PARTS
     course = turn * _gradual(x)
     return float(np.hypot(np.mean(np.sin(course)), np.mean(np.cos(course))) / (2 * np.cos(turn / 2)))
+
+
+def _check_latitudes(latitudes: Array) -> None:
+    if len(polar := np.flatnonzero(np.abs(latitudes) > HIGHEST_LATITUDE)):
+        at = int(polar[0])
+        raise InputError(
+            f"waypoints.places[{at + 1}]: latitude = {latitudes[at] / DEGREE:g} deg: must be at most "
+            f"{HIGHEST_LATITUDE / DEGREE:.2f} either way"
+        )
 
 
 def _check_turns(turns: Array) -> None:
