@@ -18,7 +18,14 @@ MAY_INCLUDE = {
     "filter": {"filter", "error_models", "aiding", "estimation", "inertial", "contract"},
     "plant": {"plant", "inertial"},
     "components": {
-        "components", "filter", "error_models", "aiding", "estimation", "plant", "inertial", "contract"
+        "components",
+        "filter",
+        "error_models",
+        "aiding",
+        "estimation",
+        "plant",
+        "inertial",
+        "contract",
     },
     "fmi": {"fmi", "components", "contract"},
 }
