@@ -17,7 +17,6 @@ from sim_scenarios.recordings import mcap
 from sim_scenarios.recordings.exports import Format, check, export
 from sim_scenarios.recordings.readers import ros
 from sim_scenarios.recordings.readers.contents import Clock
-from sim_scenarios.units import DEGREE
 
 highlevel = pytest.importorskip("rosbags.highlevel", reason="reading MCAP needs rosbags")
 
