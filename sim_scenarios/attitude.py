@@ -71,3 +71,18 @@ def skew(vector: Array) -> Array:
     x, y, z = np.moveaxis(vector, -1, 0)
     matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x
     return matrix - np.swapaxes(matrix, -1, -2)
+
+
+def right_jacobian(rotation: Array) -> Array:
+    """J_r, which makes the body rate of the derivative of a rotation vector: w = J_r(y) dy/dt.
+
+    Shape (..., 3) -> (..., 3, 3).
+    """
+    angle2 = np.sum(rotation**2, axis=-1)[..., None, None]
+    angle = np.sqrt(np.maximum(angle2, 1e-6))
+    small = angle2 < 1e-6  # two terms of the series are exact to double precision, and safe at zero
+    first = np.where(small, 0.5 - angle2 / 24, 2 * np.sin(0.5 * angle) ** 2 / angle**2)
+    second = np.where(small, 1 / 6 - angle2 / 120, (angle - np.sin(angle)) / angle**3)
+    cross = skew(rotation)
+    jacobian: Array = np.eye(3) - first * cross + second * cross @ cross
+    return jacobian

@@ -69,11 +69,14 @@ def is_own_fmu(name: str) -> bool:
 
 
 def located(entry: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Entry of a file for a filter; the path of an FMU, if it has one, counts from the folder of the file."""
-    fmu = entry.get("filter_fmu")
-    if not isinstance(fmu, str) or not is_own_fmu(fmu):
-        return dict(entry)
-    return {**entry, "filter_fmu": str(folder.resolve() / fmu)}
+    """Entry of a file for a filter, or all of it; paths that it has count from the folder of the file."""
+    fmu, trajectory = entry.get("filter_fmu"), entry.get("trajectory")
+    placed = dict(entry)
+    if isinstance(fmu, str) and is_own_fmu(fmu):
+        placed["filter_fmu"] = str(folder.resolve() / fmu)
+    if isinstance(trajectory, str):
+        placed["trajectory"] = str(folder.resolve() / trajectory)
+    return placed
 
 
 def located_filters(filters: object, folder: Path) -> object:
@@ -105,8 +108,9 @@ def read_scenario(path: Path, above: tuple[Path, ...] = ()) -> dict[str, Any]:
     if below.resolve() in [one.resolve() for one in (*above, path)]:
         raise InputError(f"{path}: extends: {below} extends this file in turn")
     base = read_scenario(below, (*above, path))
-    if "compare" in table:
-        base.pop("compare", None)
+    for entry, other in (("compare", "compare"), ("trajectory", "waypoints"), ("waypoints", "trajectory")):
+        if entry in table:
+            base.pop(other, None)
     if isinstance(fmu := table.get("filter_fmu"), str) and fmu != base.get("filter_fmu"):
         base = with_filter_fmu(base, fmu)
     return _merged(base, table)

@@ -25,6 +25,7 @@ from sim_scenarios.instance import Instance
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.stepping import Order
 from sim_scenarios.timeline import instants, whole
+from sim_scenarios.vehicles.motion import STATE, Driver
 
 TRUTH = (
     "truth.roll",
@@ -65,12 +66,13 @@ def connect(
     source: FmuSource | AlignmentSource
     if scenario.alignment is None:
         taken = (name for fmu in used.values() for name in connected(fmus.plant.outputs(), fmu))
-        source = FmuSource(plant, list(dict.fromkeys((*taken, *FIX_SIGNALS))))
+        names = list(dict.fromkeys((*taken, *FIX_SIGNALS)))
+        source = FmuSource(plant, names, driver(scenario, plant))
         filters = {label: filter_values(used[label], start, values) for label, values in filters.items()}
     else:
         filter_fmu = fmus[scenario.filter_fmu]
         fmu = fmus[ALIGNMENT_FILTER]
-        signals = FmuSource(plant, connected(fmus.plant.outputs(), fmu))
+        signals = FmuSource(plant, connected(fmus.plant.outputs(), fmu), driver(scenario, plant))
         alignment = begun(fmu, ALIGNMENT, filter_values(fmu, start, scenario.alignment), signals)
         source = AlignmentSource(signals, alignment, filter_fmu, order)
     return source, [begun(used[label], label, values, source) for label, values in filters.items()]
@@ -105,10 +107,18 @@ def stride(scenario: Scenario) -> int:
 
 def start_plant(scenario: Scenario, fmus: Fmus, stack: ExitStack) -> Instance:
     """The plant of a scenario, initialised; the stack closes it."""
-    plant = stack.enter_context(closing(Instance(fmus.plant, "plant", scenario.plant)))
+    vehicle = scenario.vehicle()
+    first = {} if vehicle is None else dict(zip(STATE, vehicle.states(np.zeros(1))[0].tolist(), strict=True))
+    plant = stack.enter_context(closing(Instance(fmus.plant, "plant", {**scenario.plant, **first})))
     plant.begin_initialisation(0.0, scenario.duration)
     plant.finish_initialisation()
     return plant
+
+
+def driver(scenario: Scenario, plant: Instance) -> Driver | None:
+    """What tells the plant of a scenario how its vehicle moves; None if the plant moves by itself."""
+    vehicle = scenario.vehicle()
+    return None if vehicle is None else Driver(plant, vehicle)
 
 
 def filter_values(

@@ -80,19 +80,29 @@ class Source(Protocol):
         """Go from time to time + step and renew the signals."""
 
 
+class Drives(Protocol):
+    """What feeds inputs of a source."""
+
+    def tell(self, time: float, step: float) -> None:
+        """Set the inputs for a step from a time [s]."""
+
+
 class FmuSource:
-    """Signals from the outputs of an initialised FMU."""
+    """Signals from the outputs of an initialised FMU, which something may drive."""
 
     alignment = None
 
-    def __init__(self, instance: Instance, names: Sequence[str]) -> None:
+    def __init__(self, instance: Instance, names: Sequence[str], driver: Drives | None = None) -> None:
         self.instance = instance
+        self._driver = driver
         self.port = Port(instance, names)
         self.signals = self.port.signals
         self.port.read()
 
     def advance(self, time: float, step: float) -> None:
         """Step the FMU and read its outputs."""
+        if self._driver is not None:
+            self._driver.tell(time, step)
         self.instance.step(time, step)
         self.port.read()
 

@@ -1,8 +1,13 @@
-"""Pages of HTML from the templates of the package."""
+"""Pages of HTML from the templates of the package.
+
+plotly.js (MIT licence) travels in pages with curves, compressed, and the figures as JSON: a page loads
+nothing.
+"""
 
 from __future__ import annotations
 
 import base64
+import gzip
 import hashlib
 import json
 from collections.abc import Sequence
@@ -10,6 +15,8 @@ from functools import cache
 from typing import Any
 
 import jinja2
+import numpy as np
+from numpy.typing import NDArray
 
 
 def render(template: str, **content: Any) -> str:
@@ -27,6 +34,27 @@ def source(name: str) -> str:
     return loader.get_source(environment, name)[0]
 
 
+def interactive(script: str, content: object) -> dict[str, Any]:
+    """What the template of a page with curves is given: the script that draws, and what it draws.
+
+    Parameters
+    ----------
+    script : str
+        Name of a file with the templates; it stands behind plots.js.
+    content : object
+        As JSON takes it; not a number is None.
+    """
+    code = source("plots.js") + source(script)
+    plain, packed = _plotly()
+    text = json.dumps(content, allow_nan=False).replace("<", "\\u003c")  # it cannot end its element
+    return {"content": text, "plotly": packed, "script": code, "scripts": [code, plain]}
+
+
+def numbers(values: NDArray[np.float64]) -> list[float | None]:
+    """Values with five digits, None for those that do not exist."""
+    return [float(f"{value:.5g}") if np.isfinite(value) else None for value in values.tolist()]
+
+
 def policy(scripts: Sequence[str]) -> str:
     """What a page may do (Content-Security-Policy): show what it holds, and run these scripts."""
     hashes = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
@@ -35,6 +63,15 @@ def policy(scripts: Sequence[str]) -> str:
         "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; "
         f"script-src {allowed}"
     )
+
+
+@cache
+def _plotly() -> tuple[str, str]:
+    """plotly.js, and base64 of it compressed."""
+    from plotly.offline import get_plotlyjs  # slow
+
+    script: str = get_plotlyjs()
+    return script, base64.b64encode(gzip.compress(script.encode(), mtime=0)).decode("ascii")
 
 
 @cache

@@ -20,6 +20,9 @@ def attributes(scenario: Scenario, fmus: Fmus, messages: Sequence[Message] = ())
     settings = {"plant": _readable(scenario.plant, plant), "filter": _readable(scenario.filter, filter_fmu)}
     if scenario.alignment is not None:
         settings["alignment"] = _readable(scenario.alignment, fmus[ALIGNMENT_FILTER])
+    for moved_by in (scenario.trajectory, scenario.waypoints):
+        if moved_by is not None:
+            settings["vehicle"] = {name: str(value) for name, value in moved_by.model_dump().items()}
     return {
         "scenario": scenario.name,
         "description": scenario.description,

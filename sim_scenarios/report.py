@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,8 +17,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from sim_scenarios import curves
 from sim_scenarios.folders import filled
-from sim_scenarios.html import render
+from sim_scenarios.html import interactive, render
 from sim_scenarios.metrics import Verdict, hand_over, is_navigation, judge
 from sim_scenarios.metrics.alignment import bound_in_words
 from sim_scenarios.metrics.statistics import is_measured
@@ -151,6 +152,8 @@ class Page:
         Headline figures: label -> value with unit.
     table : list of list of str
         Rows of a comparison, the first is the heading; empty for none.
+    curves : list of dict
+        Panels of `curves` that a reader can zoom into; empty for none.
     """
 
     title: str
@@ -158,12 +161,14 @@ class Page:
     good: bool | None
     figures: Mapping[str, str]
     table: list[list[str]]
+    curves: list[curves.Panel] = field(default_factory=list)
 
 
 def report_run(run: xr.Dataset, folder: Path) -> Path:
     """Report of a run of `sim_scenarios.run`; returns the path of the page."""
     verdict = judge(run)
-    page = Page(run.attrs["scenario"], verdict.sentence(), verdict.ok, run_figures(run, verdict), [])
+    figures, zoomed = run_figures(run, verdict), curves.of_run(under_way(run))
+    page = Page(run.attrs["scenario"], verdict.sentence(), verdict.ok, figures, [], zoomed)
     return _write(run, NAVIGATION if is_navigation(run) else RUN, page, folder)
 
 
@@ -173,7 +178,8 @@ def report_comparison(runs: xr.Dataset, folder: Path) -> Path:
     count = sum(verdict.ok for verdict in verdicts.values())
     navigating = is_navigation(runs)
     text = f"{count} of {len(verdicts)} filters {'navigated' if navigating else 'converged'}"
-    page = Page(runs.attrs["scenario"], text, None, comparison_figures(runs), comparison_table(verdicts))
+    zoomed, figures = curves.of_comparison(under_way(runs)), comparison_figures(runs)
+    page = Page(runs.attrs["scenario"], text, None, figures, comparison_table(verdicts), zoomed)
     return _write(runs, NAVIGATION_COMPARISON if navigating else COMPARISON, page, folder)
 
 
@@ -194,6 +200,7 @@ def report_replay(run: xr.Dataset, folder: Path) -> Path:
         replay_converged(run),
         {**heading_at_end(run), **replay_figures(run)},
         outages.table(ends) if ends else heading_table(run),
+        curves.of_replay(under_way(run)),
     )
     return _write(run, [*REPLAY, *_of_recording(run, ends)], page, folder)
 
@@ -202,7 +209,7 @@ def report_replays(runs: Mapping[str, xr.Dataset], folder: Path) -> Path:
     """Report of several filters on a recording (`recordings.side_by_side`); returns the path of the page."""
     about = side_by_side.together(runs)
     title = Path(about.attrs["recording"]).name
-    page = Page(title, replays_sentence(runs), None, {}, side_by_side.table(runs))
+    page = Page(title, replays_sentence(runs), None, {}, side_by_side.table(runs), curves.of_replays(runs))
     return _write(about, list(_of_replays(runs)), page, folder)
 
 
@@ -403,6 +410,7 @@ def _html(data: xr.Dataset, page: Page, pictures: list[dict[str, Any]]) -> str:
     facts: dict[str, Any] = {
         key: json.loads(data.attrs.get(key, "{}")) for key in ("settings", "filters", "versions")
     }
+    shown = interactive("curves.js", page.curves) if page.curves else {}
     return render(
         "report.html",
         page=page,
@@ -413,4 +421,5 @@ def _html(data: xr.Dataset, page: Page, pictures: list[dict[str, Any]]) -> str:
         window=[data.attrs.get(f"evaluation.{edge}") for edge in ("start", "stop")],
         messages=json.loads(data.attrs.get("messages", "[]")),
         **facts,
+        **shown,
     )

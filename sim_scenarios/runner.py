@@ -100,6 +100,8 @@ class Runner:
 
 def why_no_container(scenario: Scenario, fmus: Fmus) -> str | None:
     """Why a container cannot do a scenario; None if it can."""
+    if scenario.vehicle() is not None:
+        return "the container does not tell the plant how a vehicle moves (trajectory, waypoints)"
     if scenario.alignment is not None:
         return "the container does not pass an alignment on to navigation"
     rate = float(connection.parameter(scenario, fmus.plant, "gnss.rate"))

@@ -8,10 +8,14 @@ path of an FMU of somebody else's (`ports` says what it must have), and a filter
 to its NavigationFilter. A quantity is a number in SI units or a text with one of the display units that the
 FMU declares for it ("10 deg", "0.05 deg/h", "1 mg"). Nothing unknown is accepted. A file that `extends` a
 shipped scenario states only what differs; its table `compare` replaces the whole comparison.
+
+The vehicle may be one of somebody else's (`vehicles`): `trajectory` is a file of how it moves, `waypoints`
+are places that it goes past. What the plant says of motion besides is not for it.
 """
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Container, Mapping
 from itertools import combinations
@@ -29,7 +33,7 @@ from pydantic import (
     model_validator,
 )
 
-from sim_scenarios import ports
+from sim_scenarios import ports, toml
 from sim_scenarios.bounds import Knowledge
 from sim_scenarios.catalogue import (
     is_own_fmu,
@@ -54,6 +58,7 @@ from sim_scenarios.names import Label, Name, Text
 from sim_scenarios.timeline import RESOLUTION
 from sim_scenarios.toml import dotted
 from sim_scenarios.units import DEGREE
+from sim_scenarios.vehicles import Vehicle
 
 EKF_UKF_ROBUST: Final[dict[str, dict[str, Any]]] = {
     "EKF": {"predictor": "linearised", "corrector": "standard"},
@@ -71,6 +76,12 @@ FILTER: Final = "filter"
 
 _OF_THE_FILE: Final = ("name", "compare", "rivals")
 """Entries that are no settings."""
+
+VEHICLES: Final = ("trajectory", "waypoints")
+"""Entries that say how the vehicle moves."""
+
+MOTION: Final = "motion."
+"""Beginning of the names of parameters of the plant that are not for such a vehicle."""
 
 Parts = Mapping[str, Fmu]
 """The FMUs that a scenario connects, by the table of their parameters: plant, filter, perhaps alignment."""
@@ -172,11 +183,49 @@ class Rival(Table):
     parameters: dict[str, Number]
 
 
+def _positive(value: float) -> float:
+    if value <= 0:
+        raise InputError(f"{value:g}: must be greater than 0")
+    return value
+
+
+def _with_height(given: object) -> object:
+    return (*given, 0.0) if isinstance(given, list | tuple) and len(given) == 2 else given
+
+
+Place = Annotated[tuple[Angle, Angle, Length], BeforeValidator(_with_height)]
+"""Latitude, longitude, height."""
+
+
 def _rival(given: Mapping[str, Any], info: ValidationInfo) -> Rival:
     fmus: Fmus = (info.context or {})["fmus"]
     name = str(given["filter_fmu"])
     told = {key: value for key, value in given.items() if key != "filter_fmu"}
     return Rival(filter_fmu=name, parameters=_resolved(told, fmus[name]))
+
+
+class Trajectory(Table):
+    """A file of how the vehicle moves, known by its content."""
+
+    path: str
+    version: str
+
+
+class Waypoints(Table):
+    """Places that the vehicle goes past, with or without their heights: see `vehicles.waypoints`."""
+
+    places: Annotated[tuple[Place, ...], Field(min_length=2)]
+    speed: Annotated[Velocity, AfterValidator(_positive)]
+    turn_rate: Annotated[float, _quantity("rad/s"), AfterValidator(_positive)] = 3 * DEGREE
+
+
+def _trajectory(given: object) -> object:
+    if not isinstance(given, str):
+        return given
+    path = Path(given).absolute()
+    if not toml.exists(path):
+        raise InputError(f"there is no file {given}")
+    return Trajectory(path=str(path), version=f"sha256:{hashlib.sha256(path.read_bytes()).hexdigest()}")
 
 
 class Scenario(Table):
@@ -192,6 +241,8 @@ class Scenario(Table):
     evaluation: Evaluation = Evaluation()
     bound: Prior = Prior()
     filter_fmu: str = ALIGNMENT_FILTER
+    trajectory: Annotated[Trajectory | None, BeforeValidator(_trajectory)] = None
+    waypoints: Waypoints | None = None
     plant: PlantParameters = {}
     filter: FilterParameters = {}
     alignment: AlignmentParameters | None = None
@@ -252,6 +303,28 @@ class Scenario(Table):
         if FILTER in self.rivals:
             raise InputError(f"compare.{FILTER}: that is what the filter of the scenario is called")
         return self
+
+    @model_validator(mode="after")
+    def _vehicle_fits(self) -> Scenario:
+        if self.trajectory is not None and self.waypoints is not None:
+            raise InputError("trajectory and waypoints: there must be one of them alone")
+        vehicle = self.vehicle()
+        if vehicle is not None and self.duration > vehicle.end + RESOLUTION:
+            what = "trajectory" if self.waypoints is None else "way past the waypoints"
+            raise InputError(
+                f"duration = {self.duration:g} s: must be at most {vehicle.end:.9g} s, when the {what} ends"
+            )
+        return self
+
+    def vehicle(self) -> Vehicle | None:
+        """Vehicle that moves the plant; None if the plant moves by itself."""
+        from sim_scenarios.vehicles import trajectory, waypoints  # slow: pandas
+
+        if self.trajectory is not None:
+            return trajectory.vehicle(Path(self.trajectory.path), self.trajectory.version)
+        if self.waypoints is not None:
+            return waypoints.vehicle(self.waypoints.places, self.waypoints.speed, self.waypoints.turn_rate)
+        return None
 
     @property
     def standard(self) -> str:
@@ -394,14 +467,27 @@ def _bound_of_what_is_drawn(scenario: Scenario, settings: Mapping[str, object]) 
 def _check(table: Mapping[str, Any], parts: Parts, fmus: Fmus, where: Path | str) -> Scenario:
     context = {"parts": parts, "fmus": fmus}
     try:
-        scenario = Scenario.model_validate(_with_rivals_apart(table, where), context=context)
+        scenario = Scenario.model_validate(_driven(_with_rivals_apart(table, where)), context=context)
     except ValidationError as error:
         raise InputError("\n".join(_sentence(where, e) for e in error.errors())) from None
+    external = parts["plant"].variables["motion.kind"].items["external"]
+    if scenario.plant.get("motion.kind") == external and scenario.vehicle() is None:
+        raise InputError(
+            f"{where}: plant.motion.kind = external: needs a trajectory or waypoints to say how it moves"
+        )
     rivals = (rival.filter_fmu for rival in scenario.rivals.values())
     for name in dict.fromkeys((scenario.filter_fmu, *rivals)):
         if name != scenario.standard:
             ports.check(fmus[name], fmus.plant, fmus[scenario.standard])
     return scenario
+
+
+def _driven(table: dict[str, Any]) -> dict[str, Any]:
+    """Scenario table whose plant moves as a trajectory or waypoints say, if it has any."""
+    if all(table.get(name) is None for name in VEHICLES):
+        return table
+    plant = {name: value for name, value in dotted(table.get("plant", {})) if not name.startswith(MOTION)}
+    return {**table, "plant": {**plant, "motion.kind": "external"}}
 
 
 def _with_rivals_apart(table: Mapping[str, Any], where: Path | str) -> dict[str, Any]:
@@ -442,8 +528,11 @@ def _overridden(table: Mapping[str, Any], parts: Parts, settings: Mapping[str, o
     own = {key: value for key, value in table.items() if key not in (*parts, "compare")}
     given = {part: dict(dotted(table.get(part, {}))) for part in parts}
     compare = {label: dict(dotted(variant)) for label, variant in table["compare"].items()}
+    moved_by = [entry for entry in VEHICLES if own.get(entry) is not None or entry in settings]
     for name, value in settings.items():
         owner, parameter = setting_owner(name, parts)
+        if owner == "plant" and parameter.startswith(MOTION) and moved_by:
+            raise InputError(f"the setting {name}: has no effect: {moved_by[0]} says how the vehicle moves")
         if owner in parts:
             variants = [one for one in compare.values() if "filter_fmu" not in one]
             for values in (given[owner], *(variants if owner == "filter" else ())):

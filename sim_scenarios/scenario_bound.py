@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from sim_scenarios import attitude
 from sim_scenarios.bounds import POSITION, Knowledge, Log, Trajectory, cramer_rao
-from sim_scenarios.connection import TRUTH, parameter, start_plant, stride
+from sim_scenarios.connection import TRUTH, driver, parameter, start_plant, stride
 from sim_scenarios.cosimulation import FmuSource, Table
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus
 from sim_scenarios.instance import Port
@@ -146,7 +146,7 @@ def _true_trajectory(scenario: Scenario, fmus: Fmus) -> Trajectory:
     with ExitStack() as stack:
         plant = start_plant(scenario, fmus, stack)
         table = Table(Port(plant, TRUTH), len(times))
-        source = FmuSource(plant, TRUTH)
+        source = FmuSource(plant, TRUTH, driver(scenario, plant))
         table.append()
         for time, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
             source.advance(time, end - time)

@@ -1,12 +1,7 @@
-"""The report of a campaign: one page with curves that can be explored, and everything that it needs inside.
-
-plotly.js (MIT licence) travels in the page, compressed, and the figures as JSON: the page loads nothing.
-"""
+"""The report of a campaign: one page with curves that can be explored, and all that it needs inside."""
 
 from __future__ import annotations
 
-import base64
-import gzip
 import json
 import shlex
 from collections.abc import Sequence
@@ -16,14 +11,13 @@ from typing import Any, Final
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from plotly.offline import get_plotlyjs
 
 from sim_scenarios import markdown
 from sim_scenarios.campaigns import pictures, store, table
 from sim_scenarios.campaigns.quantities import ERRORS
 from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
 from sim_scenarios.folders import filled
-from sim_scenarios.html import render, source
+from sim_scenarios.html import interactive, numbers, render
 from sim_scenarios.names import file_names
 from sim_scenarios.units import reading
 
@@ -50,7 +44,6 @@ def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[
 
 def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
     about = json.loads(data.attrs["cases"])
-    script, plotly = source("campaign.js"), get_plotlyjs()
     return render(
         "campaign.html",
         title=data.attrs["campaign"],
@@ -60,10 +53,7 @@ def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
         cases=[(case, _tables(case)) for case in cases],
         overviews=_overviews(cases),
         about={label: {**case, "command": _command(case, data)} for label, case in about.items()},
-        content=_script_safe(json.dumps(_content(data, cases), allow_nan=False)),
-        plotly=base64.b64encode(gzip.compress(plotly.encode(), mtime=0)).decode("ascii"),
-        script=script,
-        scripts=[script, plotly],
+        **interactive("campaign.js", _content(data, cases)),
     )
 
 
@@ -111,10 +101,10 @@ def _case(case: CaseSummary, points: int) -> dict[str, Any]:
     thin = slice(None, None, max(1, -(-len(case.time) // points)))
     return {
         "label": case.label,
-        "time": _numbers(case.time[thin]),
+        "time": numbers(case.time[thin]),
         "counting": case.counting,
         "bounds": {
-            name: _numbers(bound[thin] / reading(ERRORS[name].unit).size)
+            name: numbers(bound[thin] / reading(ERRORS[name].unit).size)
             for name, bound in case.bounds.items()
         },
         "filters": {
@@ -129,19 +119,9 @@ def _filter(one: Summary, thin: slice, unit: float) -> dict[str, Any]:
         "nis": _course(one.nis_course, thin),
         "nees": _course(one.nees_course, thin),
         "runs": one.runs,
-        "each": _numbers(np.sort(one.each) / unit),
+        "each": numbers(np.sort(one.each) / unit),
     }
 
 
 def _course(course: Course, thin: slice, unit: float = 1.0) -> dict[str, list[float | None]]:
-    return {name: _numbers(values[thin] / unit) for name, values in vars(course).items()}
-
-
-def _numbers(values: Array) -> list[float | None]:
-    """Values with five digits, None for those that do not exist."""
-    return [float(f"{value:.5g}") if np.isfinite(value) else None for value in values.tolist()]
-
-
-def _script_safe(text: str) -> str:
-    """JSON that cannot end the script element that it stands in."""
-    return text.replace("<", "\\u003c")
+    return {name: numbers(values[thin] / unit) for name, values in vars(course).items()}

@@ -40,7 +40,7 @@ from sim_scenarios.metrics.status import status_at_end
 from sim_scenarios.names import file_name, file_names
 from sim_scenarios.recording import save
 from sim_scenarios.recordings import comparison, outages, side_by_side
-from sim_scenarios.recordings.exports import Format, export
+from sim_scenarios.recordings.exports import Format, check, export
 from sim_scenarios.recordings.outages import Outages
 from sim_scenarios.recordings.replay import Filter, replay
 from sim_scenarios.recordings.zero_velocity import ZeroVelocity
@@ -145,6 +145,8 @@ def replay_recording(
     """
     with refusing_bad_input():
         results = Results(output)
+        for form in export_ or []:
+            check(form)
         place = _position(position) if position or zero_velocity else None
         begun = begin(heading, heading_sigma, start, course_speed, levelling, place)
         aiding = ZeroVelocity(place, sigma, rate) if zero_velocity and place else None

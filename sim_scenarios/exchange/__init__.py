@@ -31,6 +31,7 @@ from sim_scenarios.archives import archive_bytes, as_bytes, read_archive
 from sim_scenarios.catalogue import is_own_fmu
 from sim_scenarios.errors import InputError
 from sim_scenarios.exchange import checksums, documents, evidence, reference, replay, start_values
+from sim_scenarios.exchange.driven import with_vehicle
 from sim_scenarios.exchange.forms import FMI2, FORMS, Form
 from sim_scenarios.exchange.recorded import of_recording
 from sim_scenarios.exchange.system import Component, System, of_scenario
@@ -83,8 +84,11 @@ def export(
     loaded = load_scenario(scenario, fmus, seed=seed, settings=settings)
     if is_own_fmu(loaded.filter_fmu):
         raise InputError(f"{scenario}: {loaded.filter_fmu} is not exported, but filters of TrueNorth alone")
-    system = of_scenario(loaded, fmus)
-    _write(system, folder, {"seed": seed, **(set or {})}, lambda: _report(loaded, fmus))
+    system, vehicle = of_scenario(loaded, fmus), loaded.vehicle()
+    with TemporaryDirectory(dir=temporary()) as place:
+        if vehicle is not None:
+            system = with_vehicle(system, vehicle, fmus[PLAYBACK], Path(place))
+        _write(system, folder, {"seed": seed, **(set or {})}, lambda: _report(loaded, fmus))
     return system
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from sim_scenarios.cosimulation import AlignmentSource, FmuSource, Sink, Source, Table
 from sim_scenarios.exchange.forms import Entry
 from sim_scenarios.exchange.start_values import text
-from sim_scenarios.exchange.system import Component, System
+from sim_scenarios.exchange.system import Component, Connection, System
 from sim_scenarios.instance import Instance, Port
 from sim_scenarios.stepping import Order
 
@@ -97,11 +97,40 @@ def _connected(system: System, instances: Mapping[str, Instance]) -> tuple[Sourc
     plant.begin_initialisation(0.0, ENDLESS)
     plant.finish_initialisation()
     (signals,) = (c.outputs for c in system.connections if (c.start, c.end) == (system.plant.name, fed.name))
-    source = FmuSource(plant, list(signals.values()))
+    source = FmuSource(plant, list(signals.values()), _driver(system, instances))
     if system.alignment is None:
         return source, begun(system.filter, source)
     aligned = AlignmentSource(source, begun(fed, source), system.filter.fmu, Order.jacobi)
     return aligned, begun(system.filter, aligned)
+
+
+class _Driver:
+    """A vehicle that feeds a plant with what it puts out at the beginning of a step, and steps itself."""
+
+    def __init__(self, vehicle: Instance, plant: Instance, connection: Connection) -> None:
+        self._vehicle = vehicle
+        self._outputs = Port(vehicle, list(connection.outputs.values()))
+        self._inputs = Port(plant, list(connection.outputs))
+
+    def tell(self, time: float, step: float) -> None:
+        """All components step at once."""
+        self._outputs.read()
+        self._inputs.signals.assign(
+            [self._outputs.signals.value(name) for name in self._outputs.signals.names]
+        )
+        self._inputs.write()
+        self._vehicle.step(time, step)
+
+
+def _driver(system: System, instances: Mapping[str, Instance]) -> _Driver | None:
+    """What moves the plant, initialised; None if it moves by itself."""
+    if system.vehicle is None:
+        return None
+    vehicle = instances[system.vehicle.name]
+    vehicle.begin_initialisation(0.0, ENDLESS)
+    vehicle.finish_initialisation()
+    (connection,) = (c for c in system.connections if c.start == system.vehicle.name)
+    return _Driver(vehicle, instances[system.plant.name], connection)
 
 
 def csv(columns: Columns, entries: Sequence[Entry]) -> str:

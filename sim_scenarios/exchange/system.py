@@ -11,7 +11,7 @@ from sim_scenarios.cosimulation import connected, handed_over
 from sim_scenarios.fmus import ALIGNMENT_FILTER, PLAYBACK, Fmu, Fmus, Number
 from sim_scenarios.scenario import Scenario
 
-PLANT, ALIGNMENT, FILTER = "plant", "alignment", "filter"
+VEHICLE, PLANT, ALIGNMENT, FILTER = "vehicle", "plant", "alignment", "filter"
 SHOWN = ("nav.", "misalignment", "heading_sigma", "converged", "rejected_", "used_fixes", "truth.")
 """Beginnings of the names of outputs that are offered to other tools beside the connected ones."""
 
@@ -86,6 +86,8 @@ class System:
         Where the signals come from, and what they go into.
     alignment : Component or None
     connections : list of Connection
+    vehicle : Component or None
+        What moves the plant, if that does not move by itself.
     """
 
     name: str
@@ -97,6 +99,7 @@ class System:
     filter: Component
     alignment: Component | None
     connections: list[Connection]
+    vehicle: Component | None = None
 
     @property
     def recorded(self) -> bool:
@@ -106,7 +109,8 @@ class System:
     @property
     def components(self) -> list[Component]:
         """In the order of stepping."""
-        return [self.plant, *([self.alignment] if self.alignment else []), self.filter]
+        parts = (self.vehicle, self.plant, self.alignment, self.filter)
+        return [component for component in parts if component is not None]
 
     @property
     def units(self) -> dict[str, dict[str, int]]:

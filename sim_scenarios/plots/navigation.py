@@ -19,7 +19,7 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 def navigation_error(run: xr.Dataset) -> Figure:
     """Errors of one filter, with what the filter claims."""
     with figure(rows=5, height=9.5, sharex=True) as (drawn, axes):
-        for panel, (title, error, sigma) in zip(axes, _magnitudes(run), strict=True):
+        for panel, (title, error, sigma) in zip(axes, magnitudes(run), strict=True):
             shade_window(panel, run)
             panel.plot(run["time"], error, color=BLUE, lw=1.0, label="error")
             if sigma is not None:
@@ -37,7 +37,7 @@ def comparison(runs: xr.Dataset) -> Figure:
     with figure(rows=5, height=10.5, sharex=True) as (drawn, axes):
         reaches = [0.0] * len(axes)
         for label, colour, dashes in lines(runs["filter"].values):
-            for i, (title, error, _) in enumerate(_magnitudes(runs.sel(filter=label))):
+            for i, (title, error, _) in enumerate(magnitudes(runs.sel(filter=label))):
                 axes[i].plot(runs["time"], error, dashes, color=colour, lw=1.2, label=label)
                 axes[i].set_ylabel(title)
                 inside = runs["time"].values >= runs.attrs["evaluation.start"]
@@ -51,7 +51,7 @@ def comparison(runs: xr.Dataset) -> Figure:
         return drawn
 
 
-def _magnitudes(run: xr.Dataset) -> Iterator[tuple[str, Array, Array | None]]:
+def magnitudes(run: xr.Dataset) -> Iterator[tuple[str, Array, Array | None]]:
     """Title with unit, magnitude of the error, and its sigma where the filter has one."""
     for title, name, sigma, axes, unit in (
         ("horizontal [m]", "position_error", "position_sigma", slice(0, 2), 1.0),

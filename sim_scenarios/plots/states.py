@@ -41,10 +41,10 @@ QUANTITIES = {
 def states(run: xr.Dataset) -> Figure:
     """A panel for each state, three abreast."""
     time, known = run["time"].values, "attitude_error" in run
-    panels = list(_panels(run, known))
-    rows = max(1, -(-len(panels) // 3))
+    shown = list(panels(run, known))
+    rows = max(1, -(-len(shown) // 3))
     with figure(rows=rows, columns=3, height=2.1 * rows + 0.4, sharex=True) as (drawn, axes):
-        for panel, (title, values, sigma) in zip(axes, panels, strict=False):
+        for panel, (title, values, sigma) in zip(axes, shown, strict=False):
             centre = np.zeros_like(values) if known else values
             panel.fill_between(time, centre - 3 * sigma, centre + 3 * sigma, **BAND)
             panel.plot(time, values, color=BLUE, lw=1.0)
@@ -52,9 +52,9 @@ def states(run: xr.Dataset) -> Figure:
             panel.set_title(title, fontsize=9)
             late = time >= time[0] + 0.2 * (time[-1] - time[0])
             limit(panel, largest(values[late], 3 * sigma[late]), floor=1e-9)
-        for unused in axes[len(panels) :]:
+        for unused in axes[len(shown) :]:
             unused.set_axis_off()
-        for lowest in axes[max(0, len(panels) - 3) : len(panels)]:
+        for lowest in axes[max(0, len(shown) - 3) : len(shown)]:
             lowest.set_xlabel("time [s]")
             lowest.tick_params(labelbottom=True)
         what = "errors" if known else "estimates"
@@ -62,7 +62,7 @@ def states(run: xr.Dataset) -> Figure:
         return drawn
 
 
-def _panels(run: xr.Dataset, known: bool) -> Iterator[tuple[str, Array, Array]]:
+def panels(run: xr.Dataset, known: bool) -> Iterator[tuple[str, Array, Array]]:
     """Title, values and sigma of each state in display units; what is no state keeps its sigma."""
     for name, quantity in QUANTITIES.items():
         values = _values(run, quantity, known)

@@ -1,4 +1,4 @@
-"""The result of a replay for other programs: CSV, GPX, KML, RTKLIB's .pos.
+"""The result of a replay for other programs: CSV, GPX, KML, RTKLIB's .pos, and MCAP (`mcap`).
 
 Times are seconds of the recording's own clock. A .pos file has them as weeks and seconds of GPS time, or,
 where the recording does not tell the date, from week 0 on, and says so; a GPX file has none.
@@ -15,7 +15,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios.recordings import track
+from sim_scenarios.recordings import mcap, track
 from sim_scenarios.recordings.readers.gps_time import WEEK
 from sim_scenarios.stepping import Choice
 from sim_scenarios.units import DEGREE
@@ -32,6 +32,7 @@ class Format(Choice):
     csv = "csv"
     gpx = "gpx"
     kml = "kml"
+    mcap = "mcap"
     pos = "pos"
 
 
@@ -43,17 +44,27 @@ def export(run: xr.Dataset, path: Path) -> Path:
     run : Dataset
         Of `recordings.replay`.
     path : Path
-        Its ending says the format: .csv, .gpx, .kml, .pos.
+        Its ending says the format: .csv, .gpx, .kml, .mcap, .pos.
 
     Returns
     -------
     Path
         The same.
     """
-    writer = {Format.csv: _csv, Format.gpx: _gpx, Format.kml: _kml, Format.pos: _pos}
+    form = Format(path.suffix.removeprefix("."))
     part = run.isel(time=run["time"].values >= track.navigates_from(run))
-    path.write_text(writer[Format(path.suffix.removeprefix("."))](part), encoding="utf-8")
+    if form is Format.mcap:
+        mcap.write(part, path)
+    else:
+        writer = {Format.csv: _csv, Format.gpx: _gpx, Format.kml: _kml, Format.pos: _pos}[form]
+        path.write_text(writer(part), encoding="utf-8")
     return path
+
+
+def check(form: Format) -> None:
+    """Refuse, before the work, a format that cannot be written for want of a package."""
+    if form is Format.mcap:
+        mcap.packages()
 
 
 def _csv(run: xr.Dataset) -> str:

@@ -300,8 +300,17 @@ def test_values_on_the_command_line(text: str, value: object) -> None:
 
 def test_the_scenario_of_the_documents_is_one(tmp_path: Path, fmus: Fmus) -> None:
     page = (Path(__file__).parents[2] / "docs" / "scenarios.md").read_text()
-    shown, _of_your_own_filter = re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    shown, trajectory, waypoints, _of_your_own_filter = re.findall(
+        r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL
+    )
     (tmp_path / "mine.toml").write_text(shown)
+    (tmp_path / "way.toml").write_text(waypoints)
+    way = load_scenario(tmp_path / "way", fmus)
+    assert way.waypoints is not None
+    assert way.waypoints.speed == 8.0
+    (tmp_path / "file.toml").write_text(trajectory)
+    with pytest.raises(InputError, match=r"trajectory: there is no file .*ship\.csv"):
+        load_scenario(tmp_path / "file", fmus)
     scenario = load_scenario(tmp_path / "mine", fmus)
     assert scenario.plant["gnss.rate"] == 5.0
     assert scenario.bound.gyro_bias_sigma == scenario.plant["imu.gyro.bias_sigma"]

@@ -8,8 +8,8 @@ from typing import Any
 from sim_scenarios.errors import InputError
 
 
-def needed(module: str, package: str, what: str) -> Any:
-    """Module of an optional package.
+def needed(module: str, package: str, task: str) -> Any:
+    """Module of an optional package that a task needs.
 
     Raises
     ------
@@ -19,6 +19,4 @@ def needed(module: str, package: str, what: str) -> Any:
     try:
         return import_module(module)
     except ImportError:
-        raise InputError(
-            f"reading {what} needs the package {package}: pip install truenorth[recordings]"
-        ) from None
+        raise InputError(f"{task} needs the package {package}: pip install truenorth[recordings]") from None

@@ -63,8 +63,8 @@ def read(path: Path) -> Contents:
     InputError
         If the bag is damaged, or has none of the messages.
     """
-    highlevel = needed("rosbags.highlevel", "rosbags", "ROS bags")
-    types = needed("rosbags.typesys", "rosbags", "ROS bags")
+    highlevel = needed("rosbags.highlevel", "rosbags", "reading ROS bags")
+    types = needed("rosbags.typesys", "rosbags", "reading ROS bags")
     if not path.is_dir():
         whole(path)  # says what cannot be opened
     try:

@@ -66,7 +66,7 @@ def read(path: Path) -> Contents:
         If one of the three messages is damaged, with its offset (the last one of a file may be cut short), or
         if no message has a fix or a heading.
     """
-    reader = needed("pyubx2", "pyubx2", "UBX").UBXReader
+    reader = needed("pyubx2", "pyubx2", "reading UBX").UBXReader
     said = _Said()
     sensors = False
     for offset, frame, fits in _frames(whole(path)):

@@ -68,7 +68,7 @@ def read(path: Path) -> Contents:
         If the log is found damaged (the format has no check sums), or has none of the topics. A log that was
         cut short is read as far as it goes.
     """
-    ulog = needed("pyulog", "pyulog", "ULog").ULog
+    ulog = needed("pyulog", "pyulog", "reading ULog").ULog
     content = whole(path)
     try:
         with redirect_stdout(StringIO()):  # it prints what it finds damaged

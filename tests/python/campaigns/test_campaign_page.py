@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
+from drawn import drawn, node_is_there
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from sim_scenarios.campaigns import page, table
@@ -154,6 +155,15 @@ def test_the_plots_follow_a_dark_screen(opened: Page) -> None:
     opened.wait_for_function("document.getElementById('error').layout.font.color === '#e6edf3'")
     opened.emulate_media(color_scheme="light")
     opened.wait_for_function("document.getElementById('error').layout.font.color === '#24292f'")
+
+
+@node_is_there
+def test_the_script_draws_all_plots_of_a_case(files: dict[str, str]) -> None:
+    """Without a browser: no filter is switched on, the bound stays."""
+    shown = drawn(Path(files["report"]).read_text(encoding="utf-8"))
+    assert [plot["id"] for plot in shown["drawn"]] == ["error", "runs", "nees", "nis"]
+    assert [curve["name"] for curve in shown["drawn"][0]["data"]] == ["Cramer-Rao bound"]
+    assert "Heading" in shown["options"]["quantity"]
 
 
 def test_pictures_and_table_lie_beside_the_page(files: dict[str, str], cases: list[CaseSummary]) -> None:

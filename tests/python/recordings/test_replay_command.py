@@ -53,7 +53,7 @@ def navigated(ship: Path) -> tuple[Path, Result]:
         "--evaluate-after",
         20,
     ]
-    exports = [part for form in ("csv", "gpx", "kml", "pos") for part in ("--export", form)]
+    exports = [part for form in ("csv", "gpx", "kml", "mcap", "pos") for part in ("--export", form)]
     return folder, truenorth("replay", ship, *options, *exports, *SURE, "-o", folder, "--json")
 
 
@@ -156,7 +156,7 @@ def test_maps_read_the_track(navigated: tuple[Path, Result], data: xr.Dataset) -
 
 
 def test_a_format_that_is_none_is_refused(data: xr.Dataset, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="format = 'shp': must be one of csv, gpx, kml, pos"):
+    with pytest.raises(InputError, match="format = 'shp': must be one of csv, gpx, kml, mcap, pos"):
         export(data, tmp_path / "track.shp")
 
 
