@@ -18,14 +18,14 @@
 // the antenna in ENU axes; of the error it sees, in body axes, (exp(xi_R) - I) l + J(xi_R) xi_p and the like,
 // which is linear for small xi_R alone (`predicted` has the whole of it).
 //
-// A bias b of which the estimate is b^ acts in the true body axes, E = exp(xi_R) from the computed ones. In these
-// it is off by beta = E b - b^, and the velocity by
+// A bias b of which the estimate is b^ acts in the true body axes, E = exp(xi_R) from the computed ones. In
+// these it is off by beta = E b - b^, and the velocity by
 //
 //     (E - I) f - beta,    f the specific force as measured, with its bias:
 //
-// again exact for errors of any size, and nothing in it is estimated (the two-frame group of Barrau and Bonnabel
-// 2022). Only where the body rolls and pitches does beta move, by (E+ - E) b. The plain difference b - b^ would
-// make psi b of horizontal acceleration out of a heading that is unknown by psi.
+// again exact for errors of any size, and nothing in it is estimated (the two-frame group of Barrau and
+// Bonnabel 2022). Only where the body rolls and pitches does beta move, by (E+ - E) b. The plain difference b
+// - b^ would make psi b of horizontal acceleration out of a heading that is unknown by psi.
 //
 // The deviation xi_b has beta = J(xi_R) (xi_b + xi_R x b^). To first order it is the difference, true minus
 // estimated: its covariance is that of the biases, its transition that of increments without b^. But what is

@@ -3,7 +3,8 @@
 // The state stands where it was predicted last; increments since then are preintegrated, and a mechanisation
 // fills the time between for the outputs. In the coarse stage every fix sets the state anew, to the attitude
 // that the vectors tell; at its end the filter takes all fixes of the stage again, linearised at what was
-// found, with an attitude of which nothing is known as prior.
+// found, with an attitude of which nothing is known as prior. The vectors know no biases and are tilted by
+// them: the filter does so until the attitude and the biases that it finds are those at which it linearised.
 #pragma once
 
 #include <algorithm>
@@ -116,8 +117,8 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
     // go with these. Gauss-Markov processes count as biases, although scatter shows a part of them.
     void misalign(const Eigen::Matrix3d& C_bn, const Eigen::Matrix3d& scatter);
 
-    // Filters the coarse stage, from the first fix to the last: linearised at an attitude at the first fix, then
-    // at the attitude and the biases that came of it, until these stand.
+    // Filters the coarse stage, from the first fix to the last: linearised at an attitude at the first fix,
+    // then at the attitude and the biases that came of it, until these stand.
     void take_again(const Eigen::Quaterniond& at_first_fix);
 
     // What follows from the covariance.

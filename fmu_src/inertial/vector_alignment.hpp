@@ -44,8 +44,8 @@ class VectorAlignment {
     // None before the fourth fix.
     [[nodiscard]] std::optional<Solution> solve() const;
 
-    // The attitude at the first fix from which this one at the last follows, if the sensors are off by this bias
-    // (preintegration.hpp).
+    // The attitude at the first fix from which this one at the last follows, if the sensors are off by this
+    // bias (preintegration.hpp).
     [[nodiscard]] Eigen::Quaterniond at_first_fix(const Eigen::Quaterniond& attitude,
                                                   const Eigen::Matrix<double, 6, 1>& bias) const;
 

@@ -191,8 +191,8 @@ TYPED_TEST(InvariantModel, AccelerometerErrorsOfAnySizeMoveByTheSameMatrixWhileT
     }
 }
 
-// Whatever has been learnt of the sensors meanwhile: what is known of tilts, velocity and sensors moves as if it
-// had not.
+// Whatever has been learnt of the sensors meanwhile: what is known of tilts, velocity and sensors moves as if
+// it had not.
 TYPED_TEST(InvariantModel, TransportTakesWhatWasLearntOutOfTheTransition) {
     constexpr int n = TestFixture::n;
     const Preintegration interval = straight();
@@ -213,13 +213,14 @@ TYPED_TEST(InvariantModel, TransportTakesWhatWasLearntOutOfTheTransition) {
         };
         const Matrix<n> one = TypeParam::transport(before, after) * this->model.transition(x, interval);
         const Matrix<n> other = this->model.transition(y, interval) * TypeParam::transport(x, y);
-        const Matrix<n> untransported = this->model.transition(y, interval) - this->model.transition(x, interval);
+        const Matrix<n> untransported =
+            this->model.transition(y, interval) - this->model.transition(x, interval);
         EXPECT_LT(scaled(one - other), 0.02 * scaled(untransported));  // gyros turn the body
     }
 }
 
-// A vehicle at rest that learns of its accelerometers, and is levelled with that: what it does not know of its
-// heading is a turn about the vertical before and after, and no matter of accelerometers.
+// A vehicle at rest that learns of its accelerometers, and is levelled with that: what it does not know of
+// its heading is a turn about the vertical before and after, and no matter of accelerometers.
 TYPED_TEST(InvariantModel, TransportLeavesAHeadingAHeading) {
     for (int k = 0; k < 20; ++k) {
         const auto x = this->random_state();
@@ -559,8 +560,8 @@ TEST(InvariantFilter, AgreesWithTheLooseModelWhenErrorsAreSmall) {
     EXPECT_LT(sensors.cwiseAbs().maxCoeff(), 0.05);
 }
 
-// The whole way from nothing: vectors, the series linearised at what they found, and at what came of that, then
-// the filter. Accelerometers of this bias sigma [m/s2].
+// The whole way from nothing: vectors, the series linearised at what they found, and at what came of that,
+// then the filter. Accelerometers of this bias sigma [m/s2].
 struct Outcome {
     double nees = 0.0;     // of the attitude, its mean for each angle
     double largest = 0.0;  // error of the attitude [rad]
@@ -578,7 +579,8 @@ Outcome from_nothing(double accelerometer_sigma) {
                .accelerometer = {},
                .position_sigma = Vector3d::Constant(5.0),
                .velocity_sigma = Vector3d::Constant(0.05)};
-    Vector<15> sigma = sigmas(Vector3d::Constant(std::numbers::pi / std::sqrt(3.0)), 0.05, 5.0);  // any attitude
+    Vector<15> sigma =
+        sigmas(Vector3d::Constant(std::numbers::pi / std::sqrt(3.0)), 0.05, 5.0);  // any attitude
     sigma.tail<3>().setConstant(accelerometer_sigma);
     const double uniform = std::sqrt(3.0);  // half of the width over sigma
     Outcome outcome;
@@ -601,9 +603,8 @@ Outcome from_nothing(double accelerometer_sigma) {
         Matrix<15> P;
         Eigen::Quaterniond attitude = solution->at_first_fix;
         for (int pass = 0; pass < 2; ++pass) {
-            x.pose = {.attitude = attitude,
-                      .velocity = begin[0].fix.velocity,
-                      .position = begin[0].fix.position};
+            x.pose = {
+                .attitude = attitude, .velocity = begin[0].fix.velocity, .position = begin[0].fix.position};
             P = covariance_of(x, sigma);
             Vector<15> prior = Vector<15>::Zero();
             prior.tail<6>() = -x.sensors;
