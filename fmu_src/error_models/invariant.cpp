@@ -1,5 +1,6 @@
 #include "error_models/invariant.hpp"
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "error_models/antenna.hpp"
@@ -42,46 +43,82 @@ NavigationState Invariant<coloured>::State::navigation() const {
 
 template <bool coloured>
 auto Invariant<coloured>::retract(const State& x, const Deviation& deviation) -> State {
-    return {.pose = x.pose * ExtendedPose::exponential(deviation.template head<kGyro>()),
-            .sensors = x.sensors + deviation.template tail<kSensors>()};
+    const Eigen::Matrix3d J = left_jacobian(-deviation.template segment<3>(kRotation));
+    State corrected{.pose = x.pose * ExtendedPose::exponential(deviation.template head<kGyro>()),
+                    .sensors = x.sensors};
+    for (int i = 0; i < kSensors; i += 3) {
+        corrected.sensors.template segment<3>(i) += J * deviation.template segment<3>(kGyro + i);
+    }
+    return corrected;
 }
 
 template <bool coloured>
 auto Invariant<coloured>::local(const State& x, const State& other) -> Deviation {
     Deviation deviation;
     deviation << (x.pose.inverse() * other.pose).logarithm(), other.sensors - x.sensors;
+    const Eigen::Matrix3d J_inverse = left_jacobian(-deviation.template segment<3>(kRotation)).inverse();
+    for (int i = kGyro; i < kStates; i += 3) {
+        deviation.template segment<3>(i) = (J_inverse * deviation.template segment<3>(i)).eval();
+    }
     return deviation;
+}
+
+template <bool coloured>
+Matrix<Invariant<coloured>::kStates> Invariant<coloured>::transport(const State& from, const State& to) {
+    const Vector<kSensors> learnt = to.sensors - from.sensors;
+    const Eigen::Vector3d up = body_to_navigation(from).row(2);
+    const Eigen::Matrix3d level = Eigen::Matrix3d::Identity() - up * up.transpose();
+    Matrix<kStates> J = Matrix<kStates>::Identity();
+    for (int i = 0; i < kSensors; i += 6) {
+        const Eigen::Vector3d force = learnt.template segment<3>(i + 3);
+        J.template block<3, 3>(kGyro + i, kRotation) = skew(learnt.template segment<3>(i));
+        J.template block<3, 3>(kGyro + i + 3, kRotation) = skew(force) * level;
+        J.template block<3, 3>(kRotation, kRotation) -=
+            level * force * up.transpose() / earth::kStandardGravity;
+    }
+    return J;
+}
+
+template <bool coloured>
+Eigen::Matrix3d Invariant<coloured>::body_to_navigation(const State& x) {
+    return earth::C_en(earth::geodetic(x.pose.position)) * x.pose.attitude.toRotationMatrix();
+}
+
+template <bool coloured>
+ExtendedPose Invariant<coloured>::felt(const State& x, const Interval& interval) const {
+    Vector<6> error = x.sensors.template head<6>();
+    if constexpr (coloured) {
+        const double T = interval.duration;
+        error.head<3>() += mean_of_decay(T, noise.gyro.correlation_time) * x.sensors.template segment<3>(6);
+        error.tail<3>() +=
+            mean_of_decay(T, noise.accelerometer.correlation_time) * x.sensors.template tail<3>();
+    }
+    return interval.corrected(error);
 }
 
 template <bool coloured>
 auto Invariant<coloured>::moved(const State& x, const Interval& interval) const -> State {
     const double T = interval.duration;
     State end = x;
+    end.pose = carried(x.pose, felt(x, interval), T);
     if constexpr (coloured) {
-        const Markov& gyro = noise.gyro;
-        const Markov& accelerometer = noise.accelerometer;
-        Vector<6> mean = x.sensors.template tail<6>();
-        mean.head<3>() *= mean_of_decay(T, gyro.correlation_time);
-        mean.tail<3>() *= mean_of_decay(T, accelerometer.correlation_time);
-        end.sensors.template segment<3>(6) *= std::exp(-T / gyro.correlation_time);
-        end.sensors.template tail<3>() *= std::exp(-T / accelerometer.correlation_time);
-        end.pose = carried(x.pose, interval.corrected(x.sensors.template head<6>() + mean), T);
-    } else {
-        end.pose = carried(x.pose, interval.corrected(x.sensors), T);
+        end.sensors.template segment<3>(6) *= std::exp(-T / noise.gyro.correlation_time);
+        end.sensors.template tail<3>() *= std::exp(-T / noise.accelerometer.correlation_time);
     }
     return end;
 }
 
 template <bool coloured>
-Matrix<Invariant<coloured>::kStates> Invariant<coloured>::transition(const State& /*x*/,
+Matrix<Invariant<coloured>::kStates> Invariant<coloured>::transition(const State& x,
                                                                      const Interval& interval) const {
     const double T = interval.duration;
-    const Eigen::Matrix3d back = interval.change.attitude.conjugate().toRotationMatrix();
+    const ExtendedPose change = felt(x, interval);
+    const Eigen::Matrix3d back = change.attitude.conjugate().toRotationMatrix();
     Matrix<kStates> Phi = Matrix<kStates>::Identity();
     Phi.template block<3, 3>(kRotation, kRotation) = back;
-    Phi.template block<3, 3>(kVelocity, kRotation) = -back * skew(interval.change.velocity);
+    Phi.template block<3, 3>(kVelocity, kRotation) = -back * skew(change.velocity);
     Phi.template block<3, 3>(kVelocity, kVelocity) = back;
-    Phi.template block<3, 3>(kPosition, kRotation) = -back * skew(interval.change.position);
+    Phi.template block<3, 3>(kPosition, kRotation) = -back * skew(change.position);
     Phi.template block<3, 3>(kPosition, kVelocity) = T * back;
     Phi.template block<3, 3>(kPosition, kPosition) = back;
 
@@ -228,8 +265,7 @@ Matrix<Invariant<coloured>::kMeasurements> Invariant<coloured>::measurement_nois
 
 template <bool coloured>
 Matrix<Invariant<coloured>::kStates> Invariant<coloured>::navigation_errors(const State& x) {
-    const Eigen::Matrix3d C_bn =
-        earth::C_en(earth::geodetic(x.pose.position)) * x.pose.attitude.toRotationMatrix();
+    const Eigen::Matrix3d C_bn = body_to_navigation(x);
     // The computed attitude is exp(-C_bn xi_R) times the true one, and so is phi.
     Matrix<kStates> J = Matrix<kStates>::Identity();
     J.template block<3, 3>(kRotation, kRotation) = C_bn;

@@ -13,10 +13,25 @@
 //     xi_R+ = dR^T xi_R,    xi_v+ = dR^T (xi_v + xi_R x dv),    xi_p+ = dR^T (xi_p + T xi_v + xi_R x dp).
 //
 // No attitude enters, so a wrong one cannot make the covariance wrong, and no misalignment is too large.
-// Appended are the errors, true minus estimated, of constant gyro and accelerometer biases and, if
-// `coloured`, of first-order Gauss-Markov processes besides. The measurement is the position and velocity of
+// Appended are the errors of constant gyro and accelerometer biases and, if `coloured`, of first-order
+// Gauss-Markov processes besides. The measurement is the position and velocity of
 // the antenna in ENU axes; of the error it sees, in body axes, (exp(xi_R) - I) l + J(xi_R) xi_p and the like,
 // which is linear for small xi_R alone (`predicted` has the whole of it).
+//
+// A bias b of which the estimate is b^ acts in the true body axes, E = exp(xi_R) from the computed ones. In
+// these it is off by beta = E b - b^, and the velocity by
+//
+//     (E - I) f - beta,    f the specific force as measured, with its bias:
+//
+// again exact for errors of any size, and nothing in it is estimated (the two-frame group of Barrau and
+// Bonnabel 2022). Only where the body rolls and pitches does beta move, by (E+ - E) b. The plain difference b
+// - b^ would make psi b of horizontal acceleration out of a heading that is unknown by psi.
+//
+// The deviation xi_b has beta = J(xi_R) (xi_b + xi_R x b^). To first order it is the difference, true minus
+// estimated: its covariance is that of the biases, its transition that of increments without b^. But what is
+// known of it hangs on b^, and when a correction changes that by c, xi_b + c x xi_R takes its place
+// (`transport`). The heading is the exception: a turn about the vertical changes no accelerometer. It stays a
+// turn about the vertical, which c moves in the body by -c / g.
 //
 // A correction replaces X^ by X^ exp(xi) and leaves the covariance as it is. A reset Jacobian, that of
 // log(exp(-xi) exp(.)), would turn it by half the correction; but what ties tilt to accelerometer bias is
@@ -118,6 +133,7 @@ class Invariant {
 
     [[nodiscard]] static State retract(const State& x, const Deviation& deviation);
     [[nodiscard]] static Deviation local(const State& x, const State& other);
+    [[nodiscard]] static Matrix<kStates> transport(const State& from, const State& to);
 
     template <int Count>
     void propagate(State& x, Points<kStates, Count>& deviations, const Interval& interval) const {
@@ -146,7 +162,7 @@ class Invariant {
             const Deviation d = deviations.col(i);
             const Eigen::Vector3d rotation = d.template segment<3>(kRotation);
             const Eigen::Matrix3d J = left_jacobian(rotation);  // (exp(xi_R) - I) l = J (xi_R x l)
-            const Eigen::Vector3d bias_velocity = fix.lever_arm.cross(gyro_part(d));
+            const Eigen::Vector3d bias_velocity = fix.lever_arm.cross(J.transpose() * gyro_part(d));
             images.col(i).template head<3>() =
                 C_bn * J * (rotation.cross(fix.position_arm) + d.template segment<3>(kPosition));
             images.col(i).template tail<3>() =
@@ -172,9 +188,14 @@ class Invariant {
     [[nodiscard]] static Matrix<kStates> navigation_errors(const State& x);
 
   private:
+    // Into the level axes where the state is, and into those of a fix.
+    [[nodiscard]] static Eigen::Matrix3d body_to_navigation(const State& x);
     [[nodiscard]] static Eigen::Matrix3d body_to_navigation(const State& x, const Fix& fix) {
         return fix.C_en * x.pose.attitude.toRotationMatrix();
     }
+
+    // dR, dv, dp freed of the sensors' errors, as the estimate knows them.
+    [[nodiscard]] ExtendedPose felt(const State& x, const Interval& interval) const;
 
     // Error of the gyros, bias and process together.
     [[nodiscard]] static Eigen::Vector3d gyro_part(const Deviation& d) {

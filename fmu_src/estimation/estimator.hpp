@@ -51,8 +51,11 @@ class Estimator {
             appended.learn<kStates>(covariance / correction.alpha, correction.covariance,
                                     correction.deviation);
         }
-        state = model.retract(state, correction.deviation);
         covariance = correction.covariance;
+        correct(model, state, correction.deviation, [this](const Matrix<kStates>& F) {
+            covariance = transformed<kStates>(F, covariance);
+            appended.carry<kStates>(F);
+        });
     }
 
     // The estimate has been fed back to what it is an error of; what remains of it is what the model says, or

@@ -46,6 +46,25 @@ void move(const M& model, typename M::State& state, const typename M::Interval& 
     }
 }
 
+// A model whose deviations are read differently from another state offers this besides:
+//
+//   transport(x, y)            of the deviations from y, the state that a correction has made of x, with
+//                              respect to those from x (N x N)
+//
+// Third phase of the filter step: moves the state by a correction; `carry` does with all that is known of the
+// deviations what is to be done.
+template <ErrorModel M, class Carry>
+void correct(const M& model, typename M::State& state, const Vector<M::kStates>& deviation,
+             [[maybe_unused]] const Carry& carry) {
+    if constexpr (requires { model.transport(state, state); }) {
+        const typename M::State before = state;
+        state = model.retract(before, deviation);
+        carry(model.transport(before, state));
+    } else {
+        state = model.retract(state, deviation);
+    }
+}
+
 // A model whose noise does not simply add to the moved state offers this besides, for the noise points of the
 // augmented filter:
 //

@@ -23,11 +23,11 @@ struct Epoch {
 };
 
 // Carries state and covariance through the epochs, everything linearised at the trajectory that starts at
-// `state`. `correct` is the third phase of the filter step: of prior covariance and innovation.
+// `state`, from which the prior deviates by `deviation`. `correct` is the third phase of the filter step: of
+// prior covariance and innovation.
 template <ErrorModel M, class Epochs, class Correct>
 void filter_along_trajectory(const M& model, typename M::State& state, Matrix<M::kStates>& covariance,
-                             const Epochs& epochs, const Correct& correct) {
-    Vector<M::kStates> deviation = Vector<M::kStates>::Zero();
+                             Vector<M::kStates> deviation, const Epochs& epochs, const Correct& correct) {
     for (const Epoch<M>& epoch : epochs) {
         const Matrix<M::kStates> F = carry(model, state, covariance, epoch.interval);
         deviation = (F * deviation).eval();
@@ -38,7 +38,9 @@ void filter_along_trajectory(const M& model, typename M::State& state, Matrix<M:
         deviation += correction.deviation;
         covariance = correction.covariance;
     }
-    state = model.retract(state, deviation);
+    truenorth::correct(model, state, deviation, [&covariance](const Matrix<M::kStates>& F) {
+        covariance = transformed<M::kStates>(F, covariance);
+    });
 }
 
 }  // namespace truenorth

@@ -68,6 +68,11 @@ class CoarseStage {
 
     [[nodiscard]] std::optional<Solution> solve() const { return alignment_.solve(); }
 
+    [[nodiscard]] Eigen::Quaterniond at_first_fix(const Eigen::Quaterniond& attitude,
+                                                  const Vector<6>& bias) const {
+        return alignment_.at_first_fix(attitude, bias);
+    }
+
     // The solution is good enough, or as good as it will get.
     [[nodiscard]] bool done(double heading_sigma, double sufficient) const {
         return (alignment_.fixes() >= kFewest && heading_sigma < sufficient) || epochs_.size() == kCapacity;

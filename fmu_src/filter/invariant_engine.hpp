@@ -3,7 +3,8 @@
 // The state stands where it was predicted last; increments since then are preintegrated, and a mechanisation
 // fills the time between for the outputs. In the coarse stage every fix sets the state anew, to the attitude
 // that the vectors tell; at its end the filter takes all fixes of the stage again, linearised at what was
-// found, with an attitude of which nothing is known as prior.
+// found, with an attitude of which nothing is known as prior. The vectors know no biases and are tilted by
+// them: the filter does so until the attitude and the biases that it finds are those at which it linearised.
 #pragma once
 
 #include <algorithm>
@@ -116,8 +117,9 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
     // go with these. Gauss-Markov processes count as biases, although scatter shows a part of them.
     void misalign(const Eigen::Matrix3d& C_bn, const Eigen::Matrix3d& scatter);
 
-    // Filters the coarse stage, from the first fix to the last.
-    void take_again();
+    // Filters the coarse stage, from the first fix to the last: linearised at an attitude at the first fix,
+    // then at the attitude and the biases that came of it, until these stand.
+    void take_again(const Eigen::Quaterniond& at_first_fix);
 
     // What follows from the covariance.
     void refresh();
@@ -224,8 +226,7 @@ Change InvariantEngine<coloured>::apply_coarsely(const typename M::Fix& fix) {
     const Eigen::Matrix3d scatter = fix.C_en * solution->covariance * fix.C_en.transpose();
     misalign(C_bn, C_bn.transpose() * scatter * C_bn);
     if (coarse_.done(std::sqrt(scatter(2, 2)), coarse_heading_sigma)) {
-        place(solution->at_first_fix, coarse_.first_fix());
-        take_again();
+        take_again(solution->at_first_fix);
     }
     return follow();
 }
@@ -318,11 +319,29 @@ void InvariantEngine<coloured>::misalign(const Eigen::Matrix3d& C_bn, const Eige
 }
 
 template <bool coloured>
-void InvariantEngine<coloured>::take_again() {
-    this->corrector.restart();
-    filter_along_trajectory(
-        estimator.model, estimator.state, estimator.covariance, coarse_.after_first_fix(),
-        [this](const auto& prior, const auto& innovation) { return this->corrected(prior, innovation); });
+void InvariantEngine<coloured>::take_again(const Eigen::Quaterniond& at_first_fix) {
+    constexpr int kPasses = 5;
+    constexpr double kStands = 0.01;  // [rad]
+    const Vector<M::kSensors> known = estimator.state.sensors;
+    Eigen::Quaterniond attitude = at_first_fix;
+    Vector<6> biases = known.template head<6>();
+    double moved = kUnknownAngle;
+    for (int pass = 0; pass < kPasses && moved > kStands; ++pass) {
+        estimator.state.sensors = known;
+        estimator.state.sensors.template head<6>() = biases;
+        place(attitude, coarse_.first_fix());
+        // Wherever the trajectory has the biases, what is known of them beforehand stays what it was.
+        Vector<Base::kStates> prior = Vector<Base::kStates>::Zero();
+        prior.template tail<M::kSensors>() = known - estimator.state.sensors;
+        this->corrector.restart();
+        filter_along_trajectory(
+            estimator.model, estimator.state, estimator.covariance, prior, coarse_.after_first_fix(),
+            [this](const auto& P, const auto& innovation) { return this->corrected(P, innovation); });
+        biases = estimator.state.sensors.template head<6>();
+        const Eigen::Quaterniond found = coarse_.at_first_fix(estimator.state.pose.attitude, biases);
+        moved = attitude.angularDistance(found);
+        attitude = found;
+    }
     const Uncertainty doubted = coarse_.doubted();
     coarse_.end();
     add_uncertainty(doubted);

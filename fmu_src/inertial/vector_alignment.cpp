@@ -66,4 +66,10 @@ std::optional<VectorAlignment::Solution> VectorAlignment::solve() const {
                     .covariance = to_now * information.inverse() * to_now.conjugate()};
 }
 
+Eigen::Quaterniond VectorAlignment::at_first_fix(const Eigen::Quaterniond& attitude,
+                                                 const Eigen::Matrix<double, 6, 1>& bias) const {
+    const Eigen::Quaterniond turned = travelled_.corrected(bias).attitude;
+    return (earth::turn(-travelled_.duration) * attitude * turned.conjugate()).normalized();
+}
+
 }  // namespace truenorth

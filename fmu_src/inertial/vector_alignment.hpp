@@ -44,6 +44,11 @@ class VectorAlignment {
     // None before the fourth fix.
     [[nodiscard]] std::optional<Solution> solve() const;
 
+    // The attitude at the first fix from which this one at the last follows, if the sensors are off by this
+    // bias (preintegration.hpp).
+    [[nodiscard]] Eigen::Quaterniond at_first_fix(const Eigen::Quaterniond& attitude,
+                                                  const Eigen::Matrix<double, 6, 1>& bias) const;
+
     [[nodiscard]] int fixes() const { return count_; }
 
     template <class Archive>

@@ -37,7 +37,7 @@ TEST(FilterAlongTrajectory, IsTheRecursiveFilterOfALinearModel) {
     Matrix<4> P = random.covariance<4>(0.1, 2.0);
     Vector<4> recursive = x;
     Matrix<4> P_recursive = P;
-    filter_along_trajectory(model, x, P, epochs, kStandard);
+    filter_along_trajectory(model, x, P, Vector<4>(Vector<4>::Zero()), epochs, kStandard);
     for (const auto& epoch : epochs) {
         Linearised().predict(model, recursive, P_recursive, epoch.interval);
         const auto correction =
@@ -47,6 +47,25 @@ TEST(FilterAlongTrajectory, IsTheRecursiveFilterOfALinearModel) {
     }
     EXPECT_LT((x - recursive).norm(), 1e-10);
     EXPECT_LT((P - P_recursive).norm(), 1e-10);
+}
+
+// Of a linear model it does not matter where the trajectory is, if the prior stays where it was.
+TEST(FilterAlongTrajectory, KnowsWhereThePriorIs) {
+    RandomCovariance random(3);
+    LinearModel<4> model;
+    model.F = Matrix<4>::Identity() + 0.2 * random.normal<4, 4>();
+    model.Q = random.covariance<4>(0.1, 1.0);
+    const auto epochs = random_epochs<LinearModel<4>, 20>(random);
+
+    Vector<4> x = random.normal<4, 1>();
+    Matrix<4> P = random.covariance<4>(0.1, 2.0);
+    const Vector<4> away = random.normal<4, 1>();
+    Vector<4> other = x + away;
+    Matrix<4> P_other = P;
+    filter_along_trajectory(model, x, P, Vector<4>(Vector<4>::Zero()), epochs, kStandard);
+    filter_along_trajectory(model, other, P_other, Vector<4>(-away), epochs, kStandard);
+    EXPECT_LT((x - other).norm(), 1e-10);
+    EXPECT_LT((P - P_other).norm(), 1e-10);
 }
 
 // The state at the end that minimises the squares of all residuals and of the prior, without process noise,
@@ -75,7 +94,7 @@ TEST(FilterAlongTrajectory, IsTheGaussNewtonStepOfACurvedModel) {
 
     Vector<3> x = start;
     Matrix<3> P = prior;
-    filter_along_trajectory(model, x, P, epochs, kStandard);
+    filter_along_trajectory(model, x, P, Vector<3>(Vector<3>::Zero()), epochs, kStandard);
     EXPECT_LT((x - (trajectory + step)).norm(), 1e-9 * step.norm());
     EXPECT_LT((P - covariance).norm(), 1e-9 * covariance.norm());
     EXPECT_GT(step.norm(), 0.1);

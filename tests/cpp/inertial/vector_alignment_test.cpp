@@ -20,7 +20,11 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 // A ship that sways and surges, mechanised without error; its antenna has fixes once a second.
 class Ship {
   public:
-    Ship(double heading, const Vector3d& lever_arm) : lever_arm_(lever_arm) {
+    using Bias = Eigen::Matrix<double, 6, 1>;
+
+    // Its sensors are off by `bias`.
+    Ship(double heading, const Vector3d& lever_arm, const Bias& bias = Bias::Zero())
+        : lever_arm_(lever_arm), bias_(bias) {
         mechanisation_.state = {
             .q_bn = Quaterniond(dcm({.roll = 0.1, .pitch = -0.05, .heading = heading})),
             .velocity = {3.0, 8.0, 0.1},
@@ -38,8 +42,11 @@ class Ship {
                 .delta_angle = {1e-3 * std::cos(0.8 * t), 7e-4 * std::sin(0.6 * t), 5e-4 * std::cos(t)},
                 .delta_velocity = {5e-3 * std::sin(0.7 * t), 4e-3 * std::cos(0.9 * t), 0.09795}};
             mechanisation_.advance(increment);
-            interval = interval * Preintegration::of(previous_, increment);
-            previous_ = increment;
+            const ImuIncrement measured{.dt = increment.dt,
+                                        .delta_angle = increment.delta_angle + 0.01 * bias_.head<3>(),
+                                        .delta_velocity = increment.delta_velocity + 0.01 * bias_.tail<3>()};
+            interval = interval * Preintegration::of(previous_, measured);
+            previous_ = measured;
         }
         const NavigationState& now = mechanisation_.state;
         const Vector3d omega_ib_b =
@@ -71,9 +78,27 @@ class Ship {
     Mechanisation mechanisation_;
     Quaterniond at_first_fix_ = Quaterniond::Identity();
     Vector3d lever_arm_;
+    Bias bias_;
     ImuIncrement previous_;
     int samples_ = 0;
 };
+
+TEST(VectorAlignment, TracesAnAttitudeBackToTheFirstFix) {
+    Ship::Bias bias;
+    bias << 5e-6, -4e-6, 5e-6, 0.1, -0.2, 0.1;  // 1 deg/h, 20 mg
+    Ship ship(2.0, Vector3d::Zero(), bias);
+    VectorAlignment alignment;
+    for (int s = 0; s < 120; ++s) {
+        ship.sail(alignment, Vector3d::Zero());
+    }
+    const auto off = [&](const Ship::Bias& known) {
+        return rotation_vector(alignment.at_first_fix(ship.attitude(), known) *
+                               ship.at_first_fix().conjugate())
+            .norm();
+    };
+    EXPECT_LT(off(bias), 1e-6);  // (bias T)^2, and an Earth whose axes turn with the ship's way
+    EXPECT_GT(off(Ship::Bias::Zero()), 1e-4);
+}
 
 TEST(VectorAlignment, FindsAnyAttitudeFromPerfectFixes) {
     for (const double heading : {0.0, 1.0, 2.5, std::numbers::pi, 5.0}) {

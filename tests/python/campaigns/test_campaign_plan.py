@@ -186,6 +186,20 @@ def test_shipped_campaigns_are_in_order(fmus: Fmus, name: str) -> None:
             assert kinds == set(fmus.plant.variables[name].items.values())
 
 
+def test_grades_are_told_truthfully(fmus: Fmus) -> None:
+    """Plant, filters and bound have the same sensors."""
+    made = cases(load_plan("grades"), fmus)
+    for case in made:
+        plant, bound = case.scenario.plant, case.scenario.bound
+        for values in case.filters().values():
+            for sensor, walk in (("gyro", "angle"), ("accelerometer", "velocity")):
+                sigma = plant[f"imu.{sensor}.bias_sigma"]
+                assert values[f"prior.{sensor}_bias_sigma"] == sigma == getattr(bound, f"{sensor}_bias_sigma")
+                assert values[f"process.{walk}_random_walk"] == plant[f"imu.{sensor}.white_noise"]
+    sigmas = {case.scenario.plant["imu.accelerometer.bias_sigma"] for case in made}
+    assert max(sigmas) == pytest.approx(0.020 * 9.80665)
+
+
 def test_a_fingerprint_tells_campaigns_apart(fmus: Fmus, plan_file: Path) -> None:
     def of(**given: object) -> str:
         plan = load_plan(plan_file, **given)
