@@ -7,6 +7,7 @@
 #include "aiding/body_velocity.hpp"
 #include "aiding/heading.hpp"
 #include "aiding/height.hpp"
+#include "filter/aid_memory.hpp"
 #include "filter/gnss_input.hpp"
 #include "filter/uncertainty.hpp"
 
@@ -33,9 +34,10 @@ AidDoubt doubt_of(const Eigen::Vector3d& residual) {
             .binds_velocity = Aid::kBindsVelocity};
 }
 
-// Each names itself, says whether it binds the velocity so that the estimate does not coast, reads its port,
-// knows what is possible, and observes. `sigma` is that of the parameters, for measurements that do not say;
-// its constant errors are the kOwnCount of aiding::SensorErrors from kOwn on.
+// Each names itself, says whether it binds the velocity so that the estimate does not coast, follows from the
+// parameters, knows its port and the outputs that tell how it does, reads the port, knows what is possible,
+// and observes. `sigma` is that of the parameters, for measurements that do not say; its constant errors are
+// the kOwnCount of aiding::SensorErrors from kOwn on.
 
 struct BodyVelocityAid {
     static constexpr const char* kName = "body_velocity";
@@ -47,6 +49,18 @@ struct BodyVelocityAid {
     Eigen::Vector3d lever_arm;
     double sigma;  // [m/s]
 
+    template <class Parameters>
+    static BodyVelocityAid of(const Parameters& p) {
+        return {.lever_arm = p.body_velocity.lever_arm, .sigma = p.measurement.body_velocity_sigma};
+    }
+    template <class Inputs>
+    static const auto& port(const Inputs& inputs) {
+        return inputs.body_velocity;
+    }
+    template <class Outputs>
+    static auto& health(Outputs& aid) {
+        return aid.body_velocity;
+    }
     template <class Port>
     static Eigen::Vector3d measured(const Port& port) {
         return port.velocity;
@@ -76,6 +90,18 @@ struct HeadingAid {
 
     double sigma;  // [rad]
 
+    template <class Parameters>
+    static HeadingAid of(const Parameters& p) {
+        return {.sigma = p.measurement.heading_aid_sigma};
+    }
+    template <class Inputs>
+    static const auto& port(const Inputs& inputs) {
+        return inputs.heading_aid;
+    }
+    template <class Outputs>
+    static auto& health(Outputs& aid) {
+        return aid.heading_aid;
+    }
     template <class Port>
     static Eigen::Vector3d measured(const Port& port) {
         return aiding::Observation::single(port.heading);
@@ -105,6 +131,18 @@ struct HeightAid {
 
     double sigma;  // [m]
 
+    template <class Parameters>
+    static HeightAid of(const Parameters& p) {
+        return {.sigma = p.measurement.height_aid_sigma};
+    }
+    template <class Inputs>
+    static const auto& port(const Inputs& inputs) {
+        return inputs.height_aid;
+    }
+    template <class Outputs>
+    static auto& health(Outputs& aid) {
+        return aid.height_aid;
+    }
     template <class Port>
     static Eigen::Vector3d measured(const Port& port) {
         return aiding::Observation::single(port.height);
@@ -124,5 +162,8 @@ struct HeightAid {
         return {.position = Eigen::Vector3d(0.0, 0.0, residual.squaredNorm()).asDiagonal()};
     }
 };
+
+// All of them, in the order in which they are used.
+using Aids = AidMemories<BodyVelocityAid, HeadingAid, HeightAid>;
 
 }  // namespace truenorth

@@ -54,8 +54,8 @@ class InertialFilter {
         archive(parameters, inputs, outputs, imu_, gnss_, waiting_, history_, travelled_, status_,
                 nis_window_, recovery_, finder_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_,
                 was_sure_, told_long_interval_, told_samples_, told_fixes_, told_notices_, gnss_used_,
-                gnss_every_, gnss_heard_, leveller_, astray_, astray_at_, leaned_, body_velocity_,
-                heading_aid_, height_aid_, far_place_, far_since_, placed_);
+                gnss_every_, gnss_heard_, leveller_, astray_, astray_at_, leaned_, aids_,
+                far_place_, far_since_, placed_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
             configure_engine();
@@ -94,8 +94,11 @@ class InertialFilter {
     void tell_of(ImuInput::Verdict verdict);
     void warn_of_long_interval();
     bool take_aids();
-    template <class Aid, class AidPort>
-    bool take_aid(const Aid& aid, const AidPort& port, AidMemory& memory);
+    template <class Aid>
+    bool take_aid(const Aid& aid, AidMemory& memory);
+    template <class Aid>
+    std::optional<Refusal> use_aid(const Aid& aid, const Eigen::Vector3d& measured,
+                                   const Eigen::Vector3d& sigma, const AntennaState& then, AidMemory& memory);
     template <class E, class Aid>
     std::optional<Refusal> correct_by(E& engine, const Aid& aid, const Eigen::Vector3d& measured,
                                       const Eigen::Vector3d& sigma, const AntennaState& then,
@@ -185,9 +188,7 @@ class InertialFilter {
     Repetition<kFindings> told_samples_;
     Repetition<kRefusals> told_fixes_;
     Repetition<kNotices> told_notices_;
-    AidMemory body_velocity_;
-    AidMemory heading_aid_;
-    AidMemory height_aid_;
+    Aids aids_;
     std::variant<Engines...> engine_;
 };
 

@@ -25,19 +25,17 @@ inline const char* deed_without_fixes(int rung, bool stays) {
 // Whether anything came.
 template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::take_aids() {
-    const auto& sigma = parameters.measurement;
-    const BodyVelocityAid velocity{.lever_arm = parameters.body_velocity.lever_arm,
-                                   .sigma = sigma.body_velocity_sigma};
-    const bool moved = take_aid(velocity, inputs.body_velocity, body_velocity_);
-    const bool turned =
-        take_aid(HeadingAid{.sigma = sigma.heading_aid_sigma}, inputs.heading_aid, heading_aid_);
-    const bool lifted = take_aid(HeightAid{.sigma = sigma.height_aid_sigma}, inputs.height_aid, height_aid_);
-    return moved || turned || lifted;
+    bool anything = false;
+    aids_.each([&]<class Aid>(std::type_identity<Aid>, AidMemory& memory) {
+        anything = take_aid(Aid::of(parameters), memory) || anything;
+    });
+    return anything;
 }
 
 template <class Interface, class... Engines>
-template <class Aid, class AidPort>
-bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPort& port, AidMemory& memory) {
+template <class Aid>
+bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, AidMemory& memory) {
+    const auto& port = Aid::port(inputs);
     if (status_.faulted() || port.sample == memory.sample) {
         return false;
     }
@@ -77,19 +75,30 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPo
     if (!then) {
         return refuse(Refusal::too_old);
     }
+    const auto refusal = use_aid(aid, measured, sigma, *then, memory);
+    return refusal ? refuse(*refusal) : true;
+}
+
+// Why the measurement was not used, if it was not.
+template <class Interface, class... Engines>
+template <class Aid>
+std::optional<Refusal> InertialFilter<Interface, Engines...>::use_aid(const Aid& aid,
+                                                                      const Eigen::Vector3d& measured,
+                                                                      const Eigen::Vector3d& sigma,
+                                                                      const AntennaState& then,
+                                                                      AidMemory& memory) {
     if constexpr (Aid::kBindsVelocity) {
-        const Eigen::Vector3d predicted = then->q_bn.conjugate() * (then->velocity - then->lever_velocity);
-        const Eigen::Vector3d at_imu = measured - then->omega_eb_b.cross(aid.lever_arm);
+        const Eigen::Vector3d predicted = then.q_bn.conjugate() * (then.velocity - then.lever_velocity);
+        const Eigen::Vector3d at_imu = measured - then.omega_eb_b.cross(aid.lever_arm);
         const Eigen::Vector3d told = at_imu.array().isNaN().select(predicted, at_imu);
-        leveller_.add(*then, then->q_bn * told + then->lever_velocity, sigma.maxCoeff());
+        leveller_.add(then, then.q_bn * told + then.lever_velocity, sigma.maxCoeff());
     }
     predict();
     if (status_.faulted()) {
-        return true;
+        return std::nullopt;
     }
-    const auto refusal = std::visit(
-        [&](auto& engine) { return correct_by(engine, aid, measured, sigma, *then, memory); }, engine_);
-    return refusal ? refuse(*refusal) : true;
+    return std::visit([&](auto& engine) { return correct_by(engine, aid, measured, sigma, then, memory); },
+                      engine_);
 }
 
 // Of the position; nothing for a model that has none.

@@ -55,10 +55,8 @@ void InertialFilter<Interface, Engines...>::choose_model() {
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::configure_engine() {
     std::visit([this](auto& engine) { configure(engine, parameters); }, engine_);
-    for (NisWindow* window :
-         {&nis_window_, &body_velocity_.window, &heading_aid_.window, &height_aid_.window}) {
-        window->length = parameters.consistency.window;
-    }
+    nis_window_.length = parameters.consistency.window;
+    aids_.each([this](auto, AidMemory& memory) { memory.window.length = parameters.consistency.window; });
 }
 
 template <class Interface, class... Engines>
@@ -70,10 +68,8 @@ void InertialFilter<Interface, Engines...>::prepare(double start_time) {
     status_.start(start_time);
     clock_ = start_time;
     gnss_used_ = start_time;
-    for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
-        *memory = {};
-        memory->start(start_time);
-    }
+    aids_ = {};
+    aids_.each([start_time](auto, AidMemory& memory) { memory.start(start_time); });
     told_samples_ = {};
     told_fixes_ = {};
     told_notices_ = {};
@@ -109,9 +105,7 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     gnss_heard_ = clock_;
     astray_ = 0.0;
     astray_at_ = clock_;
-    for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
-        memory->start(clock_);
-    }
+    aids_.each([this](auto, AidMemory& memory) { memory.start(clock_); });
     placed_ = std::numeric_limits<double>::infinity();
     was_sure_ = false;
     under_way_ = true;
@@ -143,9 +137,7 @@ template <class Interface, class... Engines>
 template <class E>
 void InertialFilter<Interface, Engines...>::doubt_sensors(E& engine) {
     engine.estimator.appended.start();
-    for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
-        memory->forgive();
-    }
+    aids_.each([](auto, AidMemory& memory) { memory.forgive(); });
 }
 
 // Whether no fix has been used of late, as often as they come.
