@@ -7,6 +7,7 @@
 #include "aiding/body_velocity.hpp"
 #include "aiding/heading.hpp"
 #include "aiding/height.hpp"
+#include "aiding/standstill.hpp"
 #include "filter/aid_memory.hpp"
 #include "filter/gnss_input.hpp"
 #include "filter/uncertainty.hpp"
@@ -34,15 +35,25 @@ AidDoubt doubt_of(const Eigen::Vector3d& residual) {
             .binds_velocity = Aid::kBindsVelocity};
 }
 
+// What a filter knows of its motion without a sensor, with a new sample of its IMU.
+struct OwnMotion {
+    double clock = 0.0;                                   // the master's [s]
+    bool stood = false;                                   // over a window that has ended
+    Eigen::Vector3d mean_rate = Eigen::Vector3d::Zero();  // that the gyros measured over it [rad/s]
+};
+
 // Each names itself, says whether it binds the velocity so that the estimate does not coast, follows from the
 // parameters, knows its port and the outputs that tell how it does, reads the port, knows what is possible,
 // and observes. `sigma` is that of the parameters, for measurements that do not say; its constant errors are
-// the kOwnCount of aiding::SensorErrors from kOwn on.
+// the kOwnCount of aiding::SensorErrors from kOwn on. What the filter knows of its motion without a sensor is
+// an aid without a port: it says when it is due and what is measured then, and with `sigma` 0 it is none.
 
 struct BodyVelocityAid {
     static constexpr const char* kName = "body_velocity";
+    static constexpr bool kHasPort = true;
     static constexpr bool kBindsVelocity = true;
     static constexpr bool kIsHeight = false;
+    static constexpr bool kIsRate = false;
     static constexpr int kOwn = aiding::kScale;
     static constexpr int kOwnCount = 4;
 
@@ -83,8 +94,10 @@ struct BodyVelocityAid {
 
 struct HeadingAid {
     static constexpr const char* kName = "heading_aid";
+    static constexpr bool kHasPort = true;
     static constexpr bool kBindsVelocity = false;
     static constexpr bool kIsHeight = false;
+    static constexpr bool kIsRate = false;
     static constexpr int kOwn = aiding::kHeadingBias;
     static constexpr int kOwnCount = 1;
 
@@ -124,8 +137,10 @@ struct HeadingAid {
 
 struct HeightAid {
     static constexpr const char* kName = "height_aid";
+    static constexpr bool kHasPort = true;
     static constexpr bool kBindsVelocity = false;
     static constexpr bool kIsHeight = true;
+    static constexpr bool kIsRate = false;
     static constexpr int kOwn = aiding::kHeightBias;
     static constexpr int kOwnCount = 1;
 
@@ -163,7 +178,71 @@ struct HeightAid {
     }
 };
 
+struct StandstillAid {
+    static constexpr const char* kName = "standstill";
+    static constexpr bool kHasPort = false;
+    static constexpr bool kBindsVelocity = true;
+    static constexpr bool kIsHeight = false;
+    static constexpr bool kIsRate = false;
+    static constexpr int kOwn = 0;
+    static constexpr int kOwnCount = 0;
+
+    double sigma;  // [m/s]
+
+    template <class Parameters>
+    static StandstillAid of(const Parameters& p) {
+        return {.sigma = p.standstill.velocity_sigma};
+    }
+    template <class Outputs>
+    static auto& health(Outputs& aid) {
+        return aid.standstill;
+    }
+    [[nodiscard]] static bool is_due(const OwnMotion& motion, const AidMemory& /*memory*/) {
+        return motion.stood;
+    }
+    static Eigen::Vector3d measured(const OwnMotion& /*motion*/) { return Eigen::Vector3d::Zero(); }
+    [[nodiscard]] static aiding::Observation observe(const aiding::Moment& moment,
+                                                     const Eigen::Vector3d& /*measured*/) {
+        return aiding::standing(moment);
+    }
+    static Uncertainty doubt(const Eigen::Vector3d& residual) {
+        return {.velocity = residual.squaredNorm() * Eigen::Matrix3d::Identity()};
+    }
+};
+
+struct StandstillRateAid {
+    static constexpr const char* kName = "standstill_rate";
+    static constexpr bool kHasPort = false;
+    static constexpr bool kBindsVelocity = false;
+    static constexpr bool kIsHeight = false;
+    static constexpr bool kIsRate = true;
+    static constexpr int kOwn = 0;
+    static constexpr int kOwnCount = 0;
+
+    double sigma;  // of a mean over the window [rad/s]
+
+    template <class Parameters>
+    static StandstillRateAid of(const Parameters& p) {
+        const double noise = p.process.angle_random_walk / std::sqrt(p.standstill.window);
+        const double told = p.standstill.rate_sigma;
+        return {.sigma = told > 0.0 ? std::hypot(told, noise) : 0.0};
+    }
+    template <class Outputs>
+    static auto& health(Outputs& aid) {
+        return aid.standstill_rate;
+    }
+    [[nodiscard]] static bool is_due(const OwnMotion& motion, const AidMemory& /*memory*/) {
+        return motion.stood;
+    }
+    static Eigen::Vector3d measured(const OwnMotion& motion) { return motion.mean_rate; }
+    [[nodiscard]] static aiding::Observation observe(const aiding::Moment& moment,
+                                                     const Eigen::Vector3d& measured) {
+        return aiding::not_turning(moment, measured);
+    }
+    static Uncertainty doubt(const Eigen::Vector3d& /*residual*/) { return {.sensors = 1.0}; }
+};
+
 // All of them, in the order in which they are used.
-using Aids = AidMemories<BodyVelocityAid, HeadingAid, HeightAid>;
+using Aids = AidMemories<BodyVelocityAid, HeadingAid, HeightAid, StandstillAid, StandstillRateAid>;
 
 }  // namespace truenorth

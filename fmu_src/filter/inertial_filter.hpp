@@ -33,6 +33,7 @@
 #include "filter/imu_input.hpp"
 #include "filter/navigation_engine.hpp"
 #include "filter/recovery.hpp"
+#include "filter/standstill.hpp"
 #include "filter/waiting_fixes.hpp"
 
 namespace truenorth {
@@ -54,7 +55,7 @@ class InertialFilter {
         archive(parameters, inputs, outputs, imu_, gnss_, waiting_, history_, travelled_, status_,
                 nis_window_, recovery_, finder_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_,
                 was_sure_, told_long_interval_, told_samples_, told_fixes_, told_notices_, gnss_used_,
-                gnss_every_, gnss_heard_, leveller_, astray_, astray_at_, leaned_, aids_,
+                gnss_every_, gnss_heard_, leveller_, astray_, astray_at_, leaned_, aids_, standstill_,
                 far_place_, far_since_, placed_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
@@ -93,9 +94,15 @@ class InertialFilter {
     bool take_sample();
     void tell_of(ImuInput::Verdict verdict);
     void warn_of_long_interval();
-    bool take_aids();
+    bool take_aids(bool sampled);
+    void watch_for_standstill();
+    [[nodiscard]] bool may_stand() const;
     template <class Aid>
     bool take_aid(const Aid& aid, AidMemory& memory);
+    template <class Aid>
+    bool take_own(const Aid& aid, const OwnMotion& motion, AidMemory& memory);
+    template <class Subject>
+    bool refuse_aid(AidMemory& memory, Refusal refusal, const Subject& subject);
     template <class Aid>
     std::optional<Refusal> use_aid(const Aid& aid, const Eigen::Vector3d& measured,
                                    const Eigen::Vector3d& sigma, const AntennaState& then, AidMemory& memory);
@@ -189,6 +196,7 @@ class InertialFilter {
     Repetition<kRefusals> told_fixes_;
     Repetition<kNotices> told_notices_;
     Aids aids_;
+    Standstill standstill_;
     std::variant<Engines...> engine_;
 };
 

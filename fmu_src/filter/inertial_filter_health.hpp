@@ -45,6 +45,7 @@ void InertialFilter<Interface, Engines...>::publish_health() {
         outputs.clock_disagreements += memory.clock.disagreements();
         publish_health_of(Aid::health(outputs.aid), memory, imu_.time(), clock_);
     });
+    outputs.aid.standstill.detected = standstill_.stands() && imu_.silent_for() <= imu_.patience();
     publish_status();
 }
 
@@ -79,11 +80,11 @@ Contradiction InertialFilter<Interface, Engines...>::contradiction() const {
         std::visit([](const auto& engine) -> const Appended& { return engine.estimator.appended; }, engine_);
     bool contradicted = false;
     aids_.each([&]<class Aid>(std::type_identity<Aid>, const AidMemory& memory) {
-        contradicted = contradicted || (memory.heard_of_late(clock_) &&
-                                        (memory.contradictions() >= kContradictions ||
-                                         !(memory.window.deviate(imu_.time()) <= limit) ||
-                                         !(memory.mean.deviate() <= limit) ||
-                                         !(sensors.deviate(Aid::kOwn, Aid::kOwnCount) <= limit)));
+        contradicted =
+            contradicted ||
+            (memory.heard_of_late(clock_) &&
+             (memory.contradictions() >= kContradictions || !(memory.window.deviate(imu_.time()) <= limit) ||
+              !(memory.mean.deviate() <= limit) || !(sensors.deviate(Aid::kOwn, Aid::kOwnCount) <= limit)));
     });
     if (contradicted) {
         return Contradiction::aids;

@@ -70,6 +70,7 @@ void InertialFilter<Interface, Engines...>::prepare(double start_time) {
     gnss_used_ = start_time;
     aids_ = {};
     aids_.each([start_time](auto, AidMemory& memory) { memory.start(start_time); });
+    standstill_.start();
     told_samples_ = {};
     told_fixes_ = {};
     told_notices_ = {};
@@ -106,6 +107,7 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     astray_ = 0.0;
     astray_at_ = clock_;
     aids_.each([this](auto, AidMemory& memory) { memory.start(clock_); });
+    standstill_.start();
     placed_ = std::numeric_limits<double>::infinity();
     was_sure_ = false;
     under_way_ = true;
@@ -170,10 +172,11 @@ void InertialFilter<Interface, Engines...>::advance(double clock) {
         publish();
         return;
     }
-    bool anything_new = take_sample();
+    const bool sampled = take_sample();
+    bool anything_new = sampled;
     if (!status_.faulted()) {
         anything_new = take_fix() || anything_new;
-        anything_new = take_aids() || anything_new;
+        anything_new = take_aids(sampled) || anything_new;
     }
     const double pending = std::visit([](const auto& engine) { return engine.pending(); }, engine_);
     if (!status_.faulted() && pending > parameters.filter.interval - kTimeTolerance) {

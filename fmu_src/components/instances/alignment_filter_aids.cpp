@@ -3,6 +3,6 @@
 
 namespace truenorth {
 
-template bool AlignmentFilterBase::take_aids();
+template bool AlignmentFilterBase::take_aids(bool sampled);
 
 }  // namespace truenorth

@@ -3,6 +3,6 @@
 
 namespace truenorth {
 
-template bool NavigationFilterBase::take_aids();
+template bool NavigationFilterBase::take_aids(bool sampled);
 
 }  // namespace truenorth

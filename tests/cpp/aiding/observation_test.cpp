@@ -10,6 +10,7 @@
 #include "aiding/body_velocity.hpp"
 #include "aiding/heading.hpp"
 #include "aiding/height.hpp"
+#include "aiding/standstill.hpp"
 #include "error_models/central_difference.hpp"
 #include "error_models/navigation_error.hpp"
 #include "error_models/random_values.hpp"
@@ -24,7 +25,8 @@ using Errors = Vector<kErrors>;
 Moment wrong(const Moment& truth, const Errors& errors) {
     return {.state = navigation_error::retract(truth.state, errors.head<9>()),
             .omega_eb_b = truth.omega_eb_b + errors.segment<3>(kGyro),
-            .sensors = truth.sensors};
+            .sensors = truth.sensors,
+            .gyro_bias = truth.gyro_bias - errors.segment<3>(kGyro)};
 }
 
 template <class Observe>
@@ -59,6 +61,8 @@ TEST(Observation, SensitivityIsTheDerivativeOfTheDifference) {
         expect_derivative([&](const Moment& m) { return body_velocity(m, lever_arm, measured); }, truth,
                           1e-4);
         expect_derivative([&](const Moment& m) { return height(m, 17.0); }, truth, 1e-6);
+        expect_derivative([&](const Moment& m) { return standing(m); }, truth, 1e-4);
+        expect_derivative([&](const Moment& m) { return not_turning(m, measured); }, truth, 1e-10);
         if (std::abs((truth.state.q_bn * Vector3d::UnitY()).z()) < 0.95) {
             expect_derivative([&](const Moment& m) { return heading(m, 0.3); }, truth, 1e-4);
         }
@@ -77,6 +81,21 @@ TEST(Observation, OfTheTruthDiffersByNothing) {
     EXPECT_NEAR(heading(truth, 2.5).difference(0), 0.0, 1e-12);
     EXPECT_NEAR(heading(truth, 2.5 + 6.0).difference(0), -6.0 + 2.0 * 3.141592653589793, 1e-9);
     EXPECT_NEAR(height(truth, 10.0).difference(0), 2.0, 1e-12);
+    // Gyros of a body at rest: the Earth, and what they are off by.
+    const Moment rest{.state = {.q_bn = truth.state.q_bn, .position = truth.state.position},
+                      .gyro_bias = {1e-3, -2e-3, 3e-3}};
+    const Vector3d rate = 7.292115e-5 * Vector3d(0.0, std::cos(0.6), std::sin(0.6));
+    EXPECT_LT(not_turning(rest, C_bn.transpose() * rate + rest.gyro_bias).difference.norm(), 1e-15);
+    EXPECT_EQ(standing(rest).difference.norm(), 0.0);
+}
+
+// Standing and a log that measures zero are one measurement.
+TEST(Observation, StandingIsALogThatMeasuresNothing) {
+    RandomValues random(3);
+    const Moment truth{.state = random.navigation_state()};
+    const Observation log = body_velocity(truth, Vector3d::Zero(), Vector3d::Zero());
+    EXPECT_LT((standing(truth).difference - log.difference).norm(), 1e-12);
+    EXPECT_LT((standing(truth).sensitivity - log.sensitivity).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 TEST(Observation, OfASteepBodyThereIsNoHeading) {
