@@ -91,6 +91,8 @@ bool InertialFilter<Interface, Engines...>::may_stand() const {
         engine_);
 }
 
+inline constexpr double kLeastRateSigma = 1e-10;  // as kLeastSigma, of a rate [rad/s]
+
 // What the filter knows without a sensor is a measurement of now.
 template <class Interface, class... Engines>
 template <class Aid>
@@ -100,7 +102,8 @@ bool InertialFilter<Interface, Engines...>::take_own(const Aid& aid, const OwnMo
         return false;
     }
     memory.hear(clock_);
-    const Eigen::Vector3d sigma = Eigen::Vector3d::Constant(aid.sigma);
+    const double least = Aid::kIsRate ? kLeastRateSigma : kLeastSigma;
+    const Eigen::Vector3d sigma = Eigen::Vector3d::Constant(std::max(aid.sigma, least));
     const auto refusal = use_aid(aid, Aid::measured(motion), sigma, antenna(), memory);
     return !refusal ||
            refuse_aid(memory, *refusal, [this] { return text(Aid::kName, " at ", rounded(clock_), " s"); });

@@ -14,6 +14,7 @@
 #include "error_models/central_difference.hpp"
 #include "error_models/navigation_error.hpp"
 #include "error_models/random_values.hpp"
+#include "estimation/standard.hpp"
 
 namespace truenorth::aiding {
 namespace {
@@ -145,6 +146,32 @@ TEST(Observation, MakesAnInnovationOfWhatIsMeasured) {
     EXPECT_TRUE(own.col(0).isZero(0.0));
     EXPECT_TRUE(innovation.cross.col(0).isZero(0.0));
     EXPECT_TRUE(innovation.residual.allFinite());
+}
+
+// Fifteen states that are the errors themselves: P - P H^T (H P H^T + R)^-1 H P, with H by differences.
+TEST(Observation, OfAVehicleThatStandsCorrectsAsADenseFilterDoes) {
+    RandomValues random(4);
+    const Moment truth{.state = random.navigation_state(), .gyro_bias = random.vector(1e-3)};
+    const Vector3d rate = random.vector(1e-3);
+    const Matrix<kErrors> root = Matrix<kErrors>::Random();
+    const Matrix<kErrors> P = root * root.transpose();
+    const double sigma = 0.3;
+    const auto expect_dense = [&](const auto& observe) {
+        const Matrix<kChannels, kErrors> H = central_difference<kChannels, kErrors>(
+            [&](const Errors& errors) { return observe(wrong(truth, errors)).difference; },
+            Errors(Errors::Zero()), 1e-4);
+        const Observation observation = observe(truth);
+        const auto [innovation, own] = sight_of(observation, Vector3d::Constant(sigma),
+                                                Matrix<kErrors>(Matrix<kErrors>::Identity()), P, Appended{});
+        const auto correction = Standard().correct(P, innovation);
+        const Eigen::Matrix3d S = H * P * H.transpose() + sigma * sigma * Eigen::Matrix3d::Identity();
+        const Matrix<kErrors, 3> gain = P * H.transpose() * S.inverse();
+        EXPECT_LT((correction.deviation - gain * observation.difference).norm(), 1e-6);
+        EXPECT_LT((correction.covariance - (P - gain * H * P)).cwiseAbs().maxCoeff(), 1e-6);
+        EXPECT_TRUE(own.isZero(0.0));
+    };
+    expect_dense([](const Moment& m) { return standing(m); });
+    expect_dense([&](const Moment& m) { return not_turning(m, rate); });
 }
 
 }  // namespace
