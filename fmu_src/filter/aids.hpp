@@ -7,7 +7,9 @@
 #include "aiding/body_velocity.hpp"
 #include "aiding/heading.hpp"
 #include "aiding/height.hpp"
+#include "aiding/nonholonomic.hpp"
 #include "aiding/standstill.hpp"
+#include "contract/time_tolerance.hpp"
 #include "filter/aid_memory.hpp"
 #include "filter/gnss_input.hpp"
 #include "filter/uncertainty.hpp"
@@ -242,7 +244,45 @@ struct StandstillRateAid {
     static Uncertainty doubt(const Eigen::Vector3d& /*residual*/) { return {.sensors = 1.0}; }
 };
 
+struct NonholonomicAid {
+    static constexpr const char* kName = "nonholonomic";
+    static constexpr bool kHasPort = false;
+    static constexpr bool kBindsVelocity = false;  // forward it may go as it likes
+    static constexpr bool kIsHeight = false;
+    static constexpr bool kIsRate = false;
+    static constexpr int kOwn = aiding::kBoresight;
+    static constexpr int kOwnCount = 3;
+
+    Eigen::Vector3d lever_arm;
+    double interval;  // [s]
+    double sigma;     // [m/s]
+
+    template <class Parameters>
+    static NonholonomicAid of(const Parameters& p) {
+        const auto& nonholonomic = p.nonholonomic;
+        return {.lever_arm = nonholonomic.lever_arm,
+                .interval = nonholonomic.interval,
+                .sigma = nonholonomic.velocity_sigma};
+    }
+    template <class Outputs>
+    static auto& health(Outputs& aid) {
+        return aid.nonholonomic;
+    }
+    [[nodiscard]] bool is_due(const OwnMotion& motion, const AidMemory& memory) const {
+        return motion.clock - memory.heard > interval - kTimeTolerance;
+    }
+    static Eigen::Vector3d measured(const OwnMotion& /*motion*/) { return Eigen::Vector3d::Zero(); }
+    [[nodiscard]] aiding::Observation observe(const aiding::Moment& moment,
+                                              const Eigen::Vector3d& /*measured*/) const {
+        return aiding::nonholonomic(moment, lever_arm);
+    }
+    static Uncertainty doubt(const Eigen::Vector3d& residual) {
+        return {.velocity = residual.squaredNorm() * Eigen::Matrix3d::Identity()};
+    }
+};
+
 // All of them, in the order in which they are used.
-using Aids = AidMemories<BodyVelocityAid, HeadingAid, HeightAid, StandstillAid, StandstillRateAid>;
+using Aids =
+    AidMemories<BodyVelocityAid, HeadingAid, HeightAid, StandstillAid, StandstillRateAid, NonholonomicAid>;
 
 }  // namespace truenorth

@@ -1,7 +1,5 @@
 // The sensitivity of what the aids observe is its derivative with respect to the errors of a navigation
 // state, as error_models/navigation_error.hpp has them.
-#include "aiding/observation.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,8 @@
 #include "aiding/body_velocity.hpp"
 #include "aiding/heading.hpp"
 #include "aiding/height.hpp"
+#include "aiding/nonholonomic.hpp"
+#include "aiding/observation.hpp"
 #include "aiding/standstill.hpp"
 #include "error_models/central_difference.hpp"
 #include "error_models/navigation_error.hpp"
@@ -62,6 +62,7 @@ TEST(Observation, SensitivityIsTheDerivativeOfTheDifference) {
         expect_derivative([&](const Moment& m) { return body_velocity(m, lever_arm, measured); }, truth,
                           1e-4);
         expect_derivative([&](const Moment& m) { return height(m, 17.0); }, truth, 1e-6);
+        expect_derivative([&](const Moment& m) { return nonholonomic(m, lever_arm); }, truth, 1e-4);
         expect_derivative([&](const Moment& m) { return standing(m); }, truth, 1e-4);
         expect_derivative([&](const Moment& m) { return not_turning(m, measured); }, truth, 1e-10);
         if (std::abs((truth.state.q_bn * Vector3d::UnitY()).z()) < 0.95) {
@@ -88,6 +89,21 @@ TEST(Observation, OfTheTruthDiffersByNothing) {
     const Vector3d rate = 7.292115e-5 * Vector3d(0.0, std::cos(0.6), std::sin(0.6));
     EXPECT_LT(not_turning(rest, C_bn.transpose() * rate + rest.gyro_bias).difference.norm(), 1e-15);
     EXPECT_EQ(standing(rest).difference.norm(), 0.0);
+}
+
+// In a curve an axle follows its own course; 2 m ahead of it, the IMU is swept sideways.
+TEST(Observation, WheelsRollForwardWhateverTheIMUDoes) {
+    const Eigen::Matrix3d C_bn = dcm({.roll = 0.02, .pitch = 0.05, .heading = 1.2});
+    const Vector3d omega(0.0, 0.0, -0.3);
+    const Vector3d axle(0.4, -2.0, -0.5);
+    const Vector3d imu = Vector3d(0.0, 8.0, 0.0) - omega.cross(axle);
+    const Moment truth{.state = {.q_bn = Eigen::Quaterniond(C_bn), .velocity = C_bn * imu},
+                       .omega_eb_b = omega};
+    const Vector3d difference = nonholonomic(truth, axle).difference;
+    EXPECT_NEAR(difference.x(), 0.0, 1e-12);
+    EXPECT_TRUE(std::isnan(difference.y()));
+    EXPECT_NEAR(difference.z(), 0.0, 1e-12);
+    EXPECT_NEAR(nonholonomic(truth, Vector3d::Zero()).difference.x(), -0.6, 1e-12);
 }
 
 // Standing and a log that measures zero are one measurement.
