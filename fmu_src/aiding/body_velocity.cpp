@@ -12,7 +12,9 @@ Observation body_velocity(const Moment& moment, const Eigen::Vector3d& lever_arm
     const Eigen::Matrix3d axes = Eigen::Matrix3d::Identity() - skew(moment.sensors.segment<3>(kBoresight));
     const Eigen::Matrix3d sensed = scale * axes;
     const Eigen::Vector3d w = C_nb * state.velocity + moment.omega_eb_b.cross(lever_arm);
-    Observation observation{.difference = sensed * w - measured, .is_velocity = true};
+    Observation observation{.difference = sensed * w - measured,
+                            .is_velocity = true,
+                            .turns = state.q_bn.conjugate() * state.velocity};
     observation.sensitivity.block<3, 3>(0, kMisalignment) = -sensed * C_nb * skew(state.velocity);
     observation.sensitivity.block<3, 3>(0, kVelocity) = sensed * C_nb;
     observation.sensitivity.block<3, 3>(0, kGyro) = -sensed * skew(lever_arm);

@@ -39,6 +39,7 @@ struct Moment {
     NavigationState state;
     Eigen::Vector3d omega_eb_b = Eigen::Vector3d::Zero();       // body rate relative to the Earth [rad/s]
     Appended::Constants sensors = Appended::Constants::Zero();  // errors of the sensors, as they are known
+    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();        // likewise of the gyros [rad/s]
 };
 
 // What one measurement has at most; what has fewer leaves the last out, as not measured.
@@ -51,6 +52,8 @@ struct Observation {
     // Of the difference, to what the errors of the sensors are more than they are known to be.
     Matrix<kChannels, kSensorErrors> own = Matrix<kChannels, kSensorErrors>::Zero();
     bool is_velocity = false;  // in body axes
+    // What of the prediction turns with the misalignment, in body axes: it is linear in small ones alone.
+    Eigen::Vector3d turns = Eigen::Vector3d::Zero();
 
     static Vector<kChannels> not_measured() {
         return Vector<kChannels>::Constant(std::numeric_limits<double>::quiet_NaN());

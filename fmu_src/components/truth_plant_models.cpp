@@ -57,8 +57,10 @@ plant::ParkedVehicle parked_vehicle(const Parameters::Motion& motion) {
     };
 }
 
-plant::Flight flight(const Parameters::Motion& motion) {
-    std::array<plant::Flight::Segment, plant::Flight::kSegments> segments;
+// An aircraft or a road vehicle.
+template <class Vehicle>
+Vehicle on_segments(const Parameters::Motion& motion) {
+    std::array<plant::SegmentedTrack::Segment, plant::SegmentedTrack::kSegments> segments;
     for (std::size_t i = 0; i < segments.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
         segments[i] = {
@@ -88,9 +90,11 @@ plant::Motion motion(const Parameters::Motion& motion) {
         case MotionKind::parked_vehicle:
             return parked_vehicle(motion);
         case MotionKind::flight:
-            return flight(motion);
+            return on_segments<plant::Flight>(motion);
         case MotionKind::external:
             return unknown(motion);
+        case MotionKind::road_vehicle:
+            return on_segments<plant::RoadVehicle>(motion);
     }
     throw std::logic_error("a motion that validate() does not know");
 }

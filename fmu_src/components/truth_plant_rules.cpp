@@ -51,9 +51,9 @@ void check_window(const std::string& begin_name, double begin, const std::string
     }
 }
 
-// The aircraft never flies backwards, and never pushes over so fast that it floats: the bank of a coordinated
-// turn is undefined without weight.
-void check_flight(const Parameters::Motion& motion) {
+// Nobody goes backwards, nor pushes over so fast that he floats: the bank of a coordinated turn is undefined
+// without weight, and wheels leave the road.
+void check_segments(const Parameters::Motion& motion, const std::string& vehicle) {
     const auto& [duration, acceleration, climb_angle, turn_angle] = motion.segment;
     double speed = motion.speed;
     double climb = 0.0;
@@ -64,7 +64,7 @@ void check_flight(const Parameters::Motion& motion) {
         const double speed_after = speed + acceleration[i] * duration[i];
         if (speed_after < -kStandstill) {
             rules::refuse(element("motion.segment.acceleration", i), acceleration[i],
-                          "at least " + with_value("what stops the aircraft", -speed / duration[i]));
+                          "at least " + with_value("what stops the " + vehicle, -speed / duration[i]));
         }
         const plant::Transition push_over{
             .change = std::min(0.0, climb_angle[i] - climb),
@@ -132,7 +132,9 @@ void check_together(const Parameters& parameters) {
         check_period("motion.sway.period", motion.sway.period, motion.sway.amplitude, imu.rate);
         check_period("motion.wave.period", motion.wave.period, motion.wave.velocity, imu.rate);
     } else if (motion.kind == MotionKind::flight) {
-        check_flight(motion);
+        check_segments(motion, "aircraft");
+    } else if (motion.kind == MotionKind::road_vehicle) {
+        check_segments(motion, "road vehicle");
     } else if (motion.kind == MotionKind::parked_vehicle) {
         const Eigen::Vector3d amplitude = motion.vibration.angle.cwiseMax(motion.vibration.acceleration);
         check_frequency("motion.vibration.frequency", motion.vibration.frequency, amplitude, imu.rate);

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <type_traits>
 
 #include "contract/repetition.hpp"
 #include "estimation/innovation_gate.hpp"
@@ -80,6 +83,33 @@ struct AidMemory {
 
     int refused_ = 0;
     int contradictions_ = 0;
+};
+
+// What is remembered of each of these aids.
+template <class... Aids>
+class AidMemories {
+  public:
+    // Calls use(std::type_identity<Aid>, its memory), one after the other.
+    template <class Use>
+    void each(Use use) {
+        std::size_t i = 0;
+        (use(std::type_identity<Aids>{}, memories_[i++]), ...);
+    }
+    template <class Use>
+    void each(Use use) const {
+        std::size_t i = 0;
+        (use(std::type_identity<Aids>{}, memories_[i++]), ...);
+    }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        for (AidMemory& memory : memories_) {
+            archive(memory);
+        }
+    }
+
+  private:
+    std::array<AidMemory, sizeof...(Aids)> memories_{};
 };
 
 }  // namespace truenorth

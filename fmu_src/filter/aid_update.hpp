@@ -27,7 +27,7 @@ struct AidUpdate {
 
   private:
     static Matrix<aiding::kChannels> unmodelled(const NavigationState& state);
-    static Matrix<aiding::kChannels> curvature(const E& engine, const NavigationState& state);
+    static Matrix<aiding::kChannels> curvature(const E& engine, const Eigen::Vector3d& turns);
 };
 
 // What of a velocity in body axes a model leaves out whose vertical velocity is no state: that may be any.
@@ -41,15 +41,15 @@ Matrix<aiding::kChannels> AidUpdate<E>::unmodelled(const NavigationState& state)
     }
 }
 
-// What a velocity in body axes leaves out that is linear in the misalignment: to second order v turned by phi
-// is shorter by |phi|^2 / 2, whose second moment is 3/4 of the square of its variance. Ten degrees that
-// nobody knows make 0.26 m/s of 10 m/s, far beyond the noise of a log.
+// What a measurement leaves out that is linear in the misalignment: to second order a vector turned by phi is
+// shorter by |phi|^2 / 2, whose second moment is 3/4 of the square of its variance. Ten degrees that nobody
+// knows make 0.26 m/s of 10 m/s, far beyond the noise of a log.
 template <class E>
-Matrix<aiding::kChannels> AidUpdate<E>::curvature(const E& engine, const NavigationState& state) {
+Matrix<aiding::kChannels> AidUpdate<E>::curvature(const E& engine, const Eigen::Vector3d& turns) {
     constexpr int attitude = E::Where::attitude.first;
     const auto& covariance = engine.covariance();
     const double variance = covariance.template block<3, 3>(attitude, attitude).trace();
-    const Eigen::Vector3d shorter = variance * (state.q_bn.conjugate() * state.velocity);
+    const Eigen::Vector3d shorter = variance * turns;
     return 0.75 * shorter * shorter.transpose();
 }
 
@@ -57,9 +57,9 @@ template <class E>
 auto AidUpdate<E>::sight(const E& engine, const NavigationState& state,
                          const aiding::Observation& observation, const Vector<aiding::kChannels>& sigma)
     -> Sight {
-    Matrix<aiding::kChannels> left_out = Matrix<aiding::kChannels>::Zero();
+    Matrix<aiding::kChannels> left_out = curvature(engine, observation.turns);
     if (observation.is_velocity) {
-        left_out = unmodelled(state) + curvature(engine, state);
+        left_out += unmodelled(state);
     }
     return aiding::sight_of<kStates>(observation, sigma, engine.navigation_errors(),
                                      engine.estimator.covariance, engine.estimator.appended, left_out);

@@ -33,6 +33,7 @@
 #include "filter/imu_input.hpp"
 #include "filter/navigation_engine.hpp"
 #include "filter/recovery.hpp"
+#include "filter/standstill.hpp"
 #include "filter/waiting_fixes.hpp"
 
 namespace truenorth {
@@ -54,8 +55,8 @@ class InertialFilter {
         archive(parameters, inputs, outputs, imu_, gnss_, waiting_, history_, travelled_, status_,
                 nis_window_, recovery_, finder_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_,
                 was_sure_, told_long_interval_, told_samples_, told_fixes_, told_notices_, gnss_used_,
-                gnss_every_, gnss_heard_, leveller_, astray_, astray_at_, leaned_, body_velocity_,
-                heading_aid_, height_aid_, far_place_, far_since_, placed_);
+                gnss_every_, gnss_heard_, leveller_, astray_, astray_at_, leaned_, aids_, standstill_,
+                far_place_, far_since_, placed_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
             configure_engine();
@@ -93,9 +94,18 @@ class InertialFilter {
     bool take_sample();
     void tell_of(ImuInput::Verdict verdict);
     void warn_of_long_interval();
-    bool take_aids();
-    template <class Aid, class AidPort>
-    bool take_aid(const Aid& aid, const AidPort& port, AidMemory& memory);
+    bool take_aids(bool sampled);
+    void watch_for_standstill();
+    [[nodiscard]] bool may_stand() const;
+    template <class Aid>
+    bool take_aid(const Aid& aid, AidMemory& memory);
+    template <class Aid>
+    bool take_own(const Aid& aid, const OwnMotion& motion, AidMemory& memory);
+    template <class Subject>
+    bool refuse_aid(AidMemory& memory, Refusal refusal, const Subject& subject);
+    template <class Aid>
+    std::optional<Refusal> use_aid(const Aid& aid, const Eigen::Vector3d& measured,
+                                   const Eigen::Vector3d& sigma, const AntennaState& then, AidMemory& memory);
     template <class E, class Aid>
     std::optional<Refusal> correct_by(E& engine, const Aid& aid, const Eigen::Vector3d& measured,
                                       const Eigen::Vector3d& sigma, const AntennaState& then,
@@ -185,9 +195,8 @@ class InertialFilter {
     Repetition<kFindings> told_samples_;
     Repetition<kRefusals> told_fixes_;
     Repetition<kNotices> told_notices_;
-    AidMemory body_velocity_;
-    AidMemory heading_aid_;
-    AidMemory height_aid_;
+    Aids aids_;
+    Standstill standstill_;
     std::variant<Engines...> engine_;
 };
 

@@ -22,34 +22,118 @@ inline const char* deed_without_fixes(int rung, bool stays) {
                  : ", and the filter starts again, level as the force says, with any heading";
 }
 
-// Whether anything came.
+// Whether anything came; `sampled`: with a sample of the IMU, or one that was refused.
 template <class Interface, class... Engines>
-bool InertialFilter<Interface, Engines...>::take_aids() {
-    const auto& sigma = parameters.measurement;
-    const BodyVelocityAid velocity{.lever_arm = parameters.body_velocity.lever_arm,
-                                   .sigma = sigma.body_velocity_sigma};
-    const bool moved = take_aid(velocity, inputs.body_velocity, body_velocity_);
-    const bool turned =
-        take_aid(HeadingAid{.sigma = sigma.heading_aid_sigma}, inputs.heading_aid, heading_aid_);
-    const bool lifted = take_aid(HeightAid{.sigma = sigma.height_aid_sigma}, inputs.height_aid, height_aid_);
-    return moved || turned || lifted;
+bool InertialFilter<Interface, Engines...>::take_aids(bool sampled) {
+    OwnMotion motion{.clock = clock_};
+    if (sampled) {
+        watch_for_standstill();
+        motion.stood = standstill_.ended() && standstill_.stands();
+        motion.mean_rate = standstill_.mean().template head<3>();
+    }
+    bool anything = false;
+    aids_.each([&]<class Aid>(std::type_identity<Aid>, AidMemory& memory) {
+        const Aid aid = Aid::of(parameters);
+        if constexpr (Aid::kHasPort) {
+            anything = take_aid(aid, memory) || anything;
+        } else if (sampled) {
+            anything = take_own(aid, motion, memory) || anything;
+        }
+    });
+    return anything;
+}
+
+// Looks at the sample of the IMU that came, if standing is an aid.
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::watch_for_standstill() {
+    const auto& p = parameters.standstill;
+    if (p.velocity_sigma <= 0.0 && p.rate_sigma <= 0.0) {
+        standstill_.interrupt();
+        return;
+    }
+    if (imu_.finding() != ImuInput::Finding::none || imu_.gap() > 0 || imu_.blind_for() > 0.0) {
+        standstill_.interrupt();
+        return;
+    }
+    const auto of_sensors = [](double rate, double force) {
+        Standstill::Rates both;
+        both << Eigen::Array3d::Constant(rate), Eigen::Array3d::Constant(force);
+        return both;
+    };
+    standstill_.add(imu_.increment(), {.window = p.window,
+                                       .noise = of_sensors(parameters.process.angle_random_walk,
+                                                           parameters.process.velocity_random_walk),
+                                       .deviation = of_sensors(p.rate_deviation, p.force_deviation)});
+    if (standstill_.ended()) {
+        standstill_.decide(may_stand());
+    }
+}
+
+// What the IMU cannot tell from standing: a constant velocity, which the estimate must exclude as far as it
+// knows itself; and a turn that is even, beyond what the gyros may be off by.
+template <class Interface, class... Engines>
+bool InertialFilter<Interface, Engines...>::may_stand() const {
+    constexpr double kSigmasOfSpeed = 3.0;
+    constexpr double kSigmasOfRate = 4.0;  // beyond it are three axes together once in a thousand
+    return std::visit(
+        [this]<class E>(const E& engine) {
+            constexpr auto velocity = E::Where::velocity;
+            const auto& covariance = engine.covariance();  // by value or by reference, as the engine has it
+            const double variance =
+                covariance.diagonal().template segment<velocity.count>(velocity.first).maxCoeff();
+            const double speed = engine.best().velocity.template head<velocity.count>().norm() +
+                                 kSigmasOfSpeed * std::sqrt(std::max(variance, 0.0));
+            const Eigen::Vector3d measured = standstill_.mean().template head<3>();
+            const double turns = (measured - engine.gyro_bias()).norm() - earth::kRate;
+            const double off = std::hypot(gyros().bias, standstill_.mean_sigma()(0));
+            return speed <= parameters.standstill.largest_speed && turns <= kSigmasOfRate * off;
+        },
+        engine_);
+}
+
+inline constexpr double kLeastRateSigma = 1e-10;  // as kLeastSigma, of a rate [rad/s]
+
+// What the filter knows without a sensor is a measurement of now.
+template <class Interface, class... Engines>
+template <class Aid>
+bool InertialFilter<Interface, Engines...>::take_own(const Aid& aid, const OwnMotion& motion,
+                                                     AidMemory& memory) {
+    if (status_.faulted() || aid.sigma <= 0.0 || !aid.is_due(motion, memory)) {
+        return false;
+    }
+    memory.hear(clock_);
+    const double least = Aid::kIsRate ? kLeastRateSigma : kLeastSigma;
+    const Eigen::Vector3d sigma = Eigen::Vector3d::Constant(std::max(aid.sigma, least));
+    const auto refusal = use_aid(aid, Aid::measured(motion), sigma, antenna(), memory);
+    return !refusal ||
+           refuse_aid(memory, *refusal, [this] { return text(Aid::kName, " at ", rounded(clock_), " s"); });
+}
+
+// Returns true: something came. `subject()` says what.
+template <class Interface, class... Engines>
+template <class Subject>
+bool InertialFilter<Interface, Engines...>::refuse_aid(AidMemory& memory, Refusal refusal,
+                                                       const Subject& subject) {
+    count_up(memory.rejected);
+    const auto omitted = log_->listens() ? memory.told.tell(refusal, clock_) : std::nullopt;
+    if (omitted) {
+        log_->event(text(subject().c_str(), " rejected: ", reason(refusal), and_others(*omitted).c_str()));
+    }
+    return true;
 }
 
 template <class Interface, class... Engines>
-template <class Aid, class AidPort>
-bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPort& port, AidMemory& memory) {
+template <class Aid>
+bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, AidMemory& memory) {
+    const auto& port = Aid::port(inputs);
     if (status_.faulted() || port.sample == memory.sample) {
         return false;
     }
     memory.sample = port.sample;
     const auto refuse = [&](Refusal refusal) {
-        count_up(memory.rejected);
-        const auto omitted = log_->listens() ? memory.told.tell(refusal, clock_) : std::nullopt;
-        if (omitted) {
-            log_->event(text(Aid::kName, " ", port.sample, " (", Aid::kName, ".time = ", port.time,
-                             " s) rejected: ", reason(refusal), and_others(*omitted).c_str()));
-        }
-        return true;
+        return refuse_aid(memory, refusal, [&port] {
+            return text(Aid::kName, " ", port.sample, " (", Aid::kName, ".time = ", port.time, " s)");
+        });
     };
     const Eigen::Vector3d measured = Aid::measured(port);
     Eigen::Vector3d sigma = Aid::sigma_of(port);
@@ -77,19 +161,30 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, const AidPo
     if (!then) {
         return refuse(Refusal::too_old);
     }
-    if constexpr (Aid::kBindsVelocity) {
-        const Eigen::Vector3d predicted = then->q_bn.conjugate() * (then->velocity - then->lever_velocity);
-        const Eigen::Vector3d at_imu = measured - then->omega_eb_b.cross(aid.lever_arm);
+    const auto refusal = use_aid(aid, measured, sigma, *then, memory);
+    return refusal ? refuse(*refusal) : true;
+}
+
+// Why the measurement was not used, if it was not.
+template <class Interface, class... Engines>
+template <class Aid>
+std::optional<Refusal> InertialFilter<Interface, Engines...>::use_aid(const Aid& aid,
+                                                                      const Eigen::Vector3d& measured,
+                                                                      const Eigen::Vector3d& sigma,
+                                                                      const AntennaState& then,
+                                                                      AidMemory& memory) {
+    if constexpr (Aid::kBindsVelocity && Aid::kHasPort) {
+        const Eigen::Vector3d predicted = then.q_bn.conjugate() * (then.velocity - then.lever_velocity);
+        const Eigen::Vector3d at_imu = measured - then.omega_eb_b.cross(aid.lever_arm);
         const Eigen::Vector3d told = at_imu.array().isNaN().select(predicted, at_imu);
-        leveller_.add(*then, then->q_bn * told + then->lever_velocity, sigma.maxCoeff());
+        leveller_.add(then, then.q_bn * told + then.lever_velocity, sigma.maxCoeff());
     }
     predict();
     if (status_.faulted()) {
-        return true;
+        return std::nullopt;
     }
-    const auto refusal = std::visit(
-        [&](auto& engine) { return correct_by(engine, aid, measured, sigma, *then, memory); }, engine_);
-    return refusal ? refuse(*refusal) : true;
+    return std::visit([&](auto& engine) { return correct_by(engine, aid, measured, sigma, then, memory); },
+                      engine_);
 }
 
 // Of the position; nothing for a model that has none.
@@ -259,9 +354,12 @@ std::optional<Refusal> InertialFilter<Interface, Engines...>::correct_by(E& engi
                                    .velocity = then.velocity - then.lever_velocity,
                                    .position = earth::displaced(then.position, to_imu)}),
         .omega_eb_b = then.omega_eb_b,
-        .sensors = engine.estimator.appended.mean()};
+        .sensors = engine.estimator.appended.mean(),
+        .gyro_bias = engine.gyro_bias()};
     const aiding::Observation observation = aid.observe(moment, measured);
-    if constexpr (Aid::kIsHeight && !E::kFindsPosition) {
+    if constexpr (Aid::kIsRate && E::Where::gyro.count < 3) {
+        return Refusal::no_channel;  // what they are off by is no state
+    } else if constexpr (Aid::kIsHeight && !E::kFindsPosition) {
         if (!alone()) {
             return Refusal::no_channel;
         }

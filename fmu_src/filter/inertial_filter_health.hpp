@@ -31,22 +31,21 @@ void InertialFilter<Interface, Engines...>::publish_health() {
     outputs.rejected_samples = imu_.rejected();
     outputs.missed_samples = imu_.missed();
     outputs.imu.silent_for = imu_.silent_for();
-    outputs.clock_disagreements = imu_.disagreements() + gnss_.disagreements() +
-                                  body_velocity_.clock.disagreements() + heading_aid_.clock.disagreements() +
-                                  height_aid_.clock.disagreements();
+    outputs.clock_disagreements = imu_.disagreements() + gnss_.disagreements();
     outputs.nis_mean = nis_window_.mean(imu_.time());
     auto& gnss = outputs.aid.gnss;
     gnss.nis_mean = outputs.nis_mean;
     gnss.used = outputs.used_fixes;
     gnss.rejected = outputs.rejected_fixes;
     gnss.silent_for = clock_ - gnss_used_;
-    auto& aid = outputs.aid;
     const Appended& sensors =
         std::visit([](const auto& engine) -> const Appended& { return engine.estimator.appended; }, engine_);
-    publish_errors_of_sensors(aid, sensors);
-    publish_health_of(aid.body_velocity, body_velocity_, imu_.time(), clock_);
-    publish_health_of(aid.heading_aid, heading_aid_, imu_.time(), clock_);
-    publish_health_of(aid.height_aid, height_aid_, imu_.time(), clock_);
+    publish_errors_of_sensors(outputs.aid, sensors);
+    aids_.each([this]<class Aid>(std::type_identity<Aid>, const AidMemory& memory) {
+        outputs.clock_disagreements += memory.clock.disagreements();
+        publish_health_of(Aid::health(outputs.aid), memory, imu_.time(), clock_);
+    });
+    outputs.aid.standstill.detected = standstill_.stands() && imu_.silent_for() <= imu_.patience();
     publish_status();
 }
 
@@ -79,15 +78,15 @@ Contradiction InertialFilter<Interface, Engines...>::contradiction() const {
     }
     const Appended& sensors =
         std::visit([](const auto& engine) -> const Appended& { return engine.estimator.appended; }, engine_);
-    const auto contradicts = [&]<class Aid>(const AidMemory& memory, std::type_identity<Aid>) {
-        return memory.heard_of_late(clock_) &&
-               (memory.contradictions() >= kContradictions ||
-                !(memory.window.deviate(imu_.time()) <= limit) || !(memory.mean.deviate() <= limit) ||
-                !(sensors.deviate(Aid::kOwn, Aid::kOwnCount) <= limit));
-    };
-    if (contradicts(body_velocity_, std::type_identity<BodyVelocityAid>{}) ||
-        contradicts(heading_aid_, std::type_identity<HeadingAid>{}) ||
-        contradicts(height_aid_, std::type_identity<HeightAid>{})) {
+    bool contradicted = false;
+    aids_.each([&]<class Aid>(std::type_identity<Aid>, const AidMemory& memory) {
+        contradicted =
+            contradicted ||
+            (memory.heard_of_late(clock_) &&
+             (memory.contradictions() >= kContradictions || !(memory.window.deviate(imu_.time()) <= limit) ||
+              !(memory.mean.deviate() <= limit) || !(sensors.deviate(Aid::kOwn, Aid::kOwnCount) <= limit)));
+    });
+    if (contradicted) {
         return Contradiction::aids;
     }
     const bool explained = ledger_.deviate(imu_.time() - opened_, gyros()) <= limit;

@@ -74,10 +74,8 @@ void InertialFilter<Interface, Engines...>::choose_model() {
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::configure_engine() {
     std::visit([this](auto& engine) { configure(engine, parameters); }, engine_);
-    for (NisWindow* window :
-         {&nis_window_, &body_velocity_.window, &heading_aid_.window, &height_aid_.window}) {
-        window->length = parameters.consistency.window;
-    }
+    nis_window_.length = parameters.consistency.window;
+    aids_.each([this](auto, AidMemory& memory) { memory.window.length = parameters.consistency.window; });
 }
 
 template <class Interface, class... Engines>
@@ -89,10 +87,9 @@ void InertialFilter<Interface, Engines...>::prepare(double start_time) {
     status_.start(start_time);
     clock_ = start_time;
     gnss_used_ = start_time;
-    for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
-        *memory = {};
-        memory->start(start_time);
-    }
+    aids_ = {};
+    aids_.each([start_time](auto, AidMemory& memory) { memory.start(start_time); });
+    standstill_.start();
     told_samples_ = {};
     told_fixes_ = {};
     told_notices_ = {};
@@ -128,9 +125,8 @@ void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
     gnss_heard_ = clock_;
     astray_ = 0.0;
     astray_at_ = clock_;
-    for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
-        memory->start(clock_);
-    }
+    aids_.each([this](auto, AidMemory& memory) { memory.start(clock_); });
+    standstill_.start();
     placed_ = std::numeric_limits<double>::infinity();
     was_sure_ = false;
     under_way_ = true;
@@ -162,9 +158,7 @@ template <class Interface, class... Engines>
 template <class E>
 void InertialFilter<Interface, Engines...>::doubt_sensors(E& engine) {
     engine.estimator.appended.start();
-    for (AidMemory* memory : {&body_velocity_, &heading_aid_, &height_aid_}) {
-        memory->forgive();
-    }
+    aids_.each([](auto, AidMemory& memory) { memory.forgive(); });
 }
 
 // Whether no fix has been used of late, as often as they come.
@@ -197,10 +191,11 @@ void InertialFilter<Interface, Engines...>::advance(double clock) {
         publish();
         return;
     }
-    bool anything_new = take_sample();
+    const bool sampled = take_sample();
+    bool anything_new = sampled;
     if (!status_.faulted()) {
         anything_new = take_fix() || anything_new;
-        anything_new = take_aids() || anything_new;
+        anything_new = take_aids(sampled) || anything_new;
     }
     const double pending = std::visit([](const auto& engine) { return engine.pending(); }, engine_);
     if (!status_.faulted() && pending > parameters.filter.interval - kTimeTolerance) {

@@ -6,69 +6,21 @@
 
 namespace truenorth::plant {
 
-Flight::Flight(const Track& start, const std::array<Segment, kSegments>& segments) {
-    double begin = 0.0;
-    Track track = start;
-    for (const Segment& segment : segments) {
-        const double duration = segment.duration;
-        if (duration == 0.0) {
-            continue;
-        }
-        const Track change{
-            .speed = segment.acceleration * duration,
-            .climb_angle = segment.climb_angle - track.climb_angle,
-            .course = segment.turn_angle,
-        };
-        legs_[last_++] = {
-            .begin = begin,
-            .from = track,
-            .speed = {.change = change.speed, .begin = begin, .duration = duration},
-            .climb_angle = {.change = change.climb_angle, .begin = begin, .duration = duration},
-            .course = {.change = change.course, .begin = begin, .duration = duration},
-        };
-        begin += duration;
-        track = {
-            .speed = track.speed + change.speed,
-            .climb_angle = segment.climb_angle,
-            .course = track.course + change.course,
-        };
-    }
-    legs_[last_].begin = begin;
-    legs_[last_].from = track;
-}
-
-const Flight::Leg& Flight::leg(double time) const {
-    std::size_t now = last_;
-    while (now > 0 && time < legs_[now].begin) {
-        --now;
-    }
-    return legs_[now];
-}
-
 Kinematics Flight::at(double time) const {
-    const auto& [begin, from, speed_change, climb, turn] = leg(time);
-    const double speed = from.speed + speed_change.value(time);
-    const double acceleration = speed_change.rate(time);
-    const double pitch = from.climb_angle + climb.value(time);
-    const double pitch_rate = climb.rate(time);
-    const double course = from.course + turn.value(time);
-    const double course_rate = turn.rate(time);
-
+    const SegmentedTrack::Point point = track_.at(time);
+    const auto& [speed, acceleration, _] = point.speed;
+    const auto& [pitch, pitch_rate, pitch_acceleration] = point.climb_angle;
+    const auto& [course, course_rate, course_acceleration] = point.course;
     const double cp = std::cos(pitch);
     const double sp = std::sin(pitch);
-    const Eigen::Vector3d ahead(std::sin(course), std::cos(course), 0.0);  // of the track, on the ground
-    const Eigen::Vector3d right(ahead.y(), -ahead.x(), 0.0);
-    const Eigen::Vector3d along = cp * ahead + sp * Eigen::Vector3d::UnitZ();
-    const Eigen::Vector3d above = -sp * ahead + cp * Eigen::Vector3d::UnitZ();
 
     // Specific force across the track, and its derivative.
     constexpr double g = earth::kStandardGravity;
     const double to_right = speed * cp * course_rate;
     const double upward = speed * pitch_rate + g * cp;
     const double to_right_rate = acceleration * cp * course_rate - speed * sp * pitch_rate * course_rate +
-                                 speed * cp * turn.acceleration(time);
-    const double upward_rate =
-        acceleration * pitch_rate + speed * climb.acceleration(time) - g * sp * pitch_rate;
+                                 speed * cp * course_acceleration;
+    const double upward_rate = acceleration * pitch_rate + speed * pitch_acceleration - g * sp * pitch_rate;
 
     const EulerAngles attitude{
         .roll = std::atan2(to_right, upward),
@@ -82,8 +34,8 @@ Kinematics Flight::at(double time) const {
     };
     const Eigen::Matrix3d C_bn = dcm(attitude);
     return {
-        .velocity = speed * along,
-        .acceleration = acceleration * along + speed * (pitch_rate * above + cp * course_rate * right),
+        .velocity = point.velocity(),
+        .acceleration = point.acceleration(),
         .C_bn = C_bn,
         .omega_nb_b = body_rate(attitude, attitude_rate, C_bn),
     };

@@ -8,11 +8,12 @@
 #include "plant/kinematics.hpp"
 #include "plant/parked_vehicle.hpp"
 #include "plant/passage.hpp"
+#include "plant/road_vehicle.hpp"
 #include "plant/ship.hpp"
 
 namespace truenorth::plant {
 
-using Motion = std::variant<Ship, ParkedVehicle, Flight, Passage>;
+using Motion = std::variant<Ship, ParkedVehicle, Flight, Passage, RoadVehicle>;
 
 inline Kinematics at(const Motion& motion, double time) {
     return std::visit([time](const auto& kind) { return kind.at(time); }, motion);

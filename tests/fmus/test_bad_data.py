@@ -11,10 +11,9 @@ from calls import OK, Fmu, Instance, Number, run
 
 COUNTERS = {
     *("rejected_samples", "rejected_fixes", "missed_samples", "clock_disagreements", "aid.gnss.rejected"),
-    "imu.silent_for",  # the clock goes on
-    *(f"aid.{aid}.silent_for" for aid in ("gnss", "body_velocity", "heading_aid", "height_aid")),
 }
 OF_LAST_FIX = "measurement_weight["  # whatever became of it
+OF_THE_CLOCK = ".silent_for"  # which goes on
 WARM_UP = 350  # the next fix comes at 400
 
 SAMPLES: dict[str, dict[str, Number]] = {
@@ -60,7 +59,7 @@ def estimate(outputs: dict[str, Number]) -> dict[str, Number]:
     return {
         name: value
         for name, value in outputs.items()
-        if name not in COUNTERS and not name.startswith(OF_LAST_FIX)
+        if name not in COUNTERS and not name.startswith(OF_LAST_FIX) and not name.endswith(OF_THE_CLOCK)
     }
 
 

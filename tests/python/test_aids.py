@@ -137,6 +137,26 @@ def test_a_height_binds_the_vertical_channel_without_fixes(fmus: Fmus) -> None:
     assert float(np.abs(free["position_error"][-1, 2])) > 5.0
 
 
+def test_wheels_bind_what_an_odometer_leaves_free(fmus: Fmus) -> None:
+    """Two minutes without fixes on a straight road: velocity forward from the one, across from the others."""
+    settings = {
+        **WITHOUT_FIXES,
+        "motion.kind": "road_vehicle",
+        "motion.speed": 15.0,
+        "motion.segment.duration": 16 * [0.0],
+        "body_velocity.rate": 1.0,
+        "body_velocity.measures[1]": False,
+        "body_velocity.measures[3]": False,
+    }
+    wheels = {"nonholonomic.velocity_sigma": 0.05}
+    bound = run(120.0, fmus, scenario="flight_loose_tight", **settings, **wheels)
+    free = run(120.0, fmus, scenario="flight_loose_tight", **settings)
+    across = [float(np.linalg.norm(data["velocity_error"][-1, [0, 2]])) for data in (bound, free)]
+    assert across[0] < 0.2 * across[1]
+    assert int(bound["aid.nonholonomic.used"][-1]) >= 115
+    assert int(free["aid.nonholonomic.used"][-1]) == 0
+
+
 FALSE_HEADING: Final = {
     "heading_aid.rate": 1.0,
     "plant.heading_aid.bias_sigma": "60 deg",

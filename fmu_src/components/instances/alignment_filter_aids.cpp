@@ -3,6 +3,8 @@
 
 namespace truenorth {
 
-template bool AlignmentFilterBase::take_aids();
+template bool AlignmentFilterBase::take_aids(bool sampled);
+template void AlignmentFilterBase::watch_for_standstill();
+template bool AlignmentFilterBase::may_stand() const;
 
 }  // namespace truenorth

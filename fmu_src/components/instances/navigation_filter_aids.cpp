@@ -3,6 +3,8 @@
 
 namespace truenorth {
 
-template bool NavigationFilterBase::take_aids();
+template bool NavigationFilterBase::take_aids(bool sampled);
+template void NavigationFilterBase::watch_for_standstill();
+template bool NavigationFilterBase::may_stand() const;
 
 }  // namespace truenorth

@@ -1,7 +1,5 @@
 // The sensitivity of what the aids observe is its derivative with respect to the errors of a navigation
 // state, as error_models/navigation_error.hpp has them.
-#include "aiding/observation.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,9 +8,13 @@
 #include "aiding/body_velocity.hpp"
 #include "aiding/heading.hpp"
 #include "aiding/height.hpp"
+#include "aiding/nonholonomic.hpp"
+#include "aiding/observation.hpp"
+#include "aiding/standstill.hpp"
 #include "error_models/central_difference.hpp"
 #include "error_models/navigation_error.hpp"
 #include "error_models/random_values.hpp"
+#include "estimation/standard.hpp"
 
 namespace truenorth::aiding {
 namespace {
@@ -24,7 +26,8 @@ using Errors = Vector<kErrors>;
 Moment wrong(const Moment& truth, const Errors& errors) {
     return {.state = navigation_error::retract(truth.state, errors.head<9>()),
             .omega_eb_b = truth.omega_eb_b + errors.segment<3>(kGyro),
-            .sensors = truth.sensors};
+            .sensors = truth.sensors,
+            .gyro_bias = truth.gyro_bias - errors.segment<3>(kGyro)};
 }
 
 template <class Observe>
@@ -59,6 +62,9 @@ TEST(Observation, SensitivityIsTheDerivativeOfTheDifference) {
         expect_derivative([&](const Moment& m) { return body_velocity(m, lever_arm, measured); }, truth,
                           1e-4);
         expect_derivative([&](const Moment& m) { return height(m, 17.0); }, truth, 1e-6);
+        expect_derivative([&](const Moment& m) { return nonholonomic(m, lever_arm); }, truth, 1e-4);
+        expect_derivative([&](const Moment& m) { return standing(m); }, truth, 1e-4);
+        expect_derivative([&](const Moment& m) { return not_turning(m, measured); }, truth, 1e-10);
         if (std::abs((truth.state.q_bn * Vector3d::UnitY()).z()) < 0.95) {
             expect_derivative([&](const Moment& m) { return heading(m, 0.3); }, truth, 1e-4);
         }
@@ -77,6 +83,36 @@ TEST(Observation, OfTheTruthDiffersByNothing) {
     EXPECT_NEAR(heading(truth, 2.5).difference(0), 0.0, 1e-12);
     EXPECT_NEAR(heading(truth, 2.5 + 6.0).difference(0), -6.0 + 2.0 * 3.141592653589793, 1e-9);
     EXPECT_NEAR(height(truth, 10.0).difference(0), 2.0, 1e-12);
+    // Gyros of a body at rest: the Earth, and what they are off by.
+    const Moment rest{.state = {.q_bn = truth.state.q_bn, .position = truth.state.position},
+                      .gyro_bias = {1e-3, -2e-3, 3e-3}};
+    const Vector3d rate = 7.292115e-5 * Vector3d(0.0, std::cos(0.6), std::sin(0.6));
+    EXPECT_LT(not_turning(rest, C_bn.transpose() * rate + rest.gyro_bias).difference.norm(), 1e-15);
+    EXPECT_EQ(standing(rest).difference.norm(), 0.0);
+}
+
+// In a curve an axle follows its own course; 2 m ahead of it, the IMU is swept sideways.
+TEST(Observation, WheelsRollForwardWhateverTheIMUDoes) {
+    const Eigen::Matrix3d C_bn = dcm({.roll = 0.02, .pitch = 0.05, .heading = 1.2});
+    const Vector3d omega(0.0, 0.0, -0.3);
+    const Vector3d axle(0.4, -2.0, -0.5);
+    const Vector3d imu = Vector3d(0.0, 8.0, 0.0) - omega.cross(axle);
+    const Moment truth{.state = {.q_bn = Eigen::Quaterniond(C_bn), .velocity = C_bn * imu},
+                       .omega_eb_b = omega};
+    const Vector3d difference = nonholonomic(truth, axle).difference;
+    EXPECT_NEAR(difference.x(), 0.0, 1e-12);
+    EXPECT_TRUE(std::isnan(difference.y()));
+    EXPECT_NEAR(difference.z(), 0.0, 1e-12);
+    EXPECT_NEAR(nonholonomic(truth, Vector3d::Zero()).difference.x(), -0.6, 1e-12);
+}
+
+// Standing and a log that measures zero are one measurement.
+TEST(Observation, StandingIsALogThatMeasuresNothing) {
+    RandomValues random(3);
+    const Moment truth{.state = random.navigation_state()};
+    const Observation log = body_velocity(truth, Vector3d::Zero(), Vector3d::Zero());
+    EXPECT_LT((standing(truth).difference - log.difference).norm(), 1e-12);
+    EXPECT_LT((standing(truth).sensitivity - log.sensitivity).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 TEST(Observation, OfASteepBodyThereIsNoHeading) {
@@ -126,6 +162,32 @@ TEST(Observation, MakesAnInnovationOfWhatIsMeasured) {
     EXPECT_TRUE(own.col(0).isZero(0.0));
     EXPECT_TRUE(innovation.cross.col(0).isZero(0.0));
     EXPECT_TRUE(innovation.residual.allFinite());
+}
+
+// Fifteen states that are the errors themselves: P - P H^T (H P H^T + R)^-1 H P, with H by differences.
+TEST(Observation, OfAVehicleThatStandsCorrectsAsADenseFilterDoes) {
+    RandomValues random(4);
+    const Moment truth{.state = random.navigation_state(), .gyro_bias = random.vector(1e-3)};
+    const Vector3d rate = random.vector(1e-3);
+    const Matrix<kErrors> root = Matrix<kErrors>::Random();
+    const Matrix<kErrors> P = root * root.transpose();
+    const double sigma = 0.3;
+    const auto expect_dense = [&](const auto& observe) {
+        const Matrix<kChannels, kErrors> H = central_difference<kChannels, kErrors>(
+            [&](const Errors& errors) { return observe(wrong(truth, errors)).difference; },
+            Errors(Errors::Zero()), 1e-4);
+        const Observation observation = observe(truth);
+        const auto [innovation, own] = sight_of(observation, Vector3d::Constant(sigma),
+                                                Matrix<kErrors>(Matrix<kErrors>::Identity()), P, Appended{});
+        const auto correction = Standard().correct(P, innovation);
+        const Eigen::Matrix3d S = H * P * H.transpose() + sigma * sigma * Eigen::Matrix3d::Identity();
+        const Matrix<kErrors, 3> gain = P * H.transpose() * S.inverse();
+        EXPECT_LT((correction.deviation - gain * observation.difference).norm(), 1e-6);
+        EXPECT_LT((correction.covariance - (P - gain * H * P)).cwiseAbs().maxCoeff(), 1e-6);
+        EXPECT_TRUE(own.isZero(0.0));
+    };
+    expect_dense([](const Moment& m) { return standing(m); });
+    expect_dense([&](const Moment& m) { return not_turning(m, rate); });
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "contract/serialisation.hpp"
+#include "filter/aids.hpp"
 #include "lines.hpp"
 #include "sky.hpp"
 #include "turntable.hpp"
@@ -142,9 +143,9 @@ std::string estimate(const Fed<Filter>& fed) {
     outputs.rejected_samples = 0;
     outputs.aid.gnss.rejected = 0;
     outputs.aid.gnss.silent_for = 0.0;
-    outputs.aid.body_velocity.silent_for = 0.0;
-    outputs.aid.heading_aid.silent_for = 0.0;
-    outputs.aid.height_aid.silent_for = 0.0;
+    Aids{}.each([&outputs]<class Aid>(std::type_identity<Aid>, const AidMemory&) {
+        Aid::health(outputs.aid).silent_for = 0.0;
+    });
     outputs.imu.silent_for = 0.0;
     outputs.clock_disagreements = 0;
     outputs.measurement_weight.setZero();  // of the last fix, whatever became of it

@@ -83,6 +83,7 @@ TEST_P(Allocation, NoneInSteps) {
         plant.set(std::string(aid) + ".rate", 1.0);
     }
     filter.set("body_velocity.scale_sigma", 0.01);
+    filter.set("standstill.velocity_sigma", 0.1);
     plant.start();
     for (const char* angle : {"roll", "pitch", "heading", "latitude", "longitude"}) {
         const double truth = plant.get(std::string("truth.") + angle);

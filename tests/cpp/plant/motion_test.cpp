@@ -52,6 +52,12 @@ TEST(Motion, DerivativesOfTheFlightAreExact) {
     }
 }
 
+TEST(Motion, DerivativesOfTheRoadVehicleAreExact) {
+    for (const double t : {-1.0, 5.0, 12.0, 14.5, 20.0, 26.0, 31.0, 40.0, 57.0, 60.0, 80.0}) {
+        expect_exact_derivatives(drive_with_stops(), t, 5e-3);
+    }
+}
+
 TEST(Motion, TheShipSwaysAsDeclared) {
     const Ship ship = swaying_ship();
     const double t = 3.0;

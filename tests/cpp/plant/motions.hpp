@@ -5,6 +5,7 @@
 
 #include "plant/flight.hpp"
 #include "plant/parked_vehicle.hpp"
+#include "plant/road_vehicle.hpp"
 #include "plant/ship.hpp"
 
 namespace truenorth::plant {
@@ -59,6 +60,19 @@ inline Flight eventful_flight() {
                        .climb_angle = -8.0 * kDegree,
                        .turn_angle = -30.0 * kDegree},
                   }});
+}
+
+// Stands for 10 s on the level, starts uphill, turns both ways, stops on the slope for 20 s, and goes on.
+inline RoadVehicle drive_with_stops() {
+    return RoadVehicle({.speed = 0.0, .climb_angle = 0.0, .course = 30.0 * kDegree},
+                       {{
+                           {.duration = 10.0},
+                           {.duration = 8.0, .acceleration = 1.5, .climb_angle = 4.0 * kDegree},
+                           {.duration = 10.0, .climb_angle = 4.0 * kDegree, .turn_angle = 90.0 * kDegree},
+                           {.duration = 6.0, .acceleration = -2.0, .climb_angle = 4.0 * kDegree},
+                           {.duration = 20.0, .climb_angle = 4.0 * kDegree},
+                           {.duration = 10.0, .acceleration = 1.0, .turn_angle = -70.0 * kDegree},
+                       }});
 }
 
 }  // namespace truenorth::plant
