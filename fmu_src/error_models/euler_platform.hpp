@@ -122,12 +122,12 @@ Set EulerPlatform::rate(const Set& x, const Interval& interval) const {
 
     Set rate;
     if (form == Misalignment::large) {  // C_w^-1, eq. 18
-        const Row cy = alpha_y.cos();
-        const Row sy = alpha_y.sin();
+        const auto [sx, cx] = sincos(alpha_x);
+        const auto [sy, cy] = sincos(alpha_y);
         const Row about_z = cy * turn[2] - sy * turn[0];
         rate.row(kAlphaX) = cy * turn[0] + sy * turn[2];
-        rate.row(kAlphaY) = turn[1] - alpha_x.tan() * about_z;
-        rate.row(kAlphaZ) = about_z / alpha_x.cos();
+        rate.row(kAlphaY) = turn[1] - sx / cx * about_z;
+        rate.row(kAlphaZ) = about_z / cx;
     } else {
         rate.row(kAlphaX) = turn[0];
         rate.row(kAlphaY) = turn[1];

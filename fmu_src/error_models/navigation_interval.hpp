@@ -13,7 +13,7 @@ namespace truenorth {
 struct NavigationInterval {
     // From mean attitude, specific force (computed ENU) and velocity over dt.
     NavigationInterval(double dt, const Eigen::Matrix3d& C_bn, const Eigen::Vector3d& force,
-                       const Eigen::Vector3d& velocity, const earth::Position& position);
+                       const Eigen::Vector3d& velocity, const earth::Place& place);
 
     // From the averages of the mechanisation; `velocity_error` is its error as far as it is known.
     NavigationInterval(const IntervalAverage& average, const earth::Position& position,

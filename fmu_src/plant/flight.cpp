@@ -54,9 +54,9 @@ Kinematics Flight::at(double time) const {
     const double course = from.course + turn.value(time);
     const double course_rate = turn.rate(time);
 
-    const double cp = std::cos(pitch);
-    const double sp = std::sin(pitch);
-    const Eigen::Vector3d ahead(std::sin(course), std::cos(course), 0.0);  // of the track, on the ground
+    const auto [sp, cp] = sincos(pitch);
+    const auto [sin_course, cos_course] = sincos(course);
+    const Eigen::Vector3d ahead(sin_course, cos_course, 0.0);  // of the track, on the ground
     const Eigen::Vector3d right(ahead.y(), -ahead.x(), 0.0);
     const Eigen::Vector3d along = cp * ahead + sp * Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d above = -sp * ahead + cp * Eigen::Vector3d::UnitZ();
@@ -70,22 +70,21 @@ Kinematics Flight::at(double time) const {
     const double upward_rate =
         acceleration * pitch_rate + speed * climb.acceleration(time) - g * sp * pitch_rate;
 
-    const EulerAngles attitude{
-        .roll = std::atan2(to_right, upward),
-        .pitch = pitch,
-        .heading = course,
-    };
+    const double across2 = to_right * to_right + upward * upward;
+    const double across = std::sqrt(across2);
     const EulerAngles attitude_rate{
-        .roll = (to_right_rate * upward - to_right * upward_rate) / (to_right * to_right + upward * upward),
+        .roll = (to_right_rate * upward - to_right * upward_rate) / across2,
         .pitch = pitch_rate,
         .heading = course_rate,
     };
-    const Eigen::Matrix3d C_bn = dcm(attitude);
+    const auto [C_bn, omega_nb_b] =
+        turning({.sine = {to_right / across, sp, sin_course}, .cosine = {upward / across, cp, cos_course}},
+                attitude_rate);
     return {
         .velocity = speed * along,
         .acceleration = acceleration * along + speed * (pitch_rate * above + cp * course_rate * right),
         .C_bn = C_bn,
-        .omega_nb_b = body_rate(attitude, attitude_rate, C_bn),
+        .omega_nb_b = omega_nb_b,
     };
 }
 
