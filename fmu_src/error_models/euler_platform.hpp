@@ -110,14 +110,14 @@ Set EulerPlatform::rate(const Set& x, const Interval& interval) const {
     const Row alpha_x = x.row(kAlphaX);
     const Row alpha_y = x.row(kAlphaY);
     const MisalignmentMatrix<Row> C(form, alpha_x, alpha_y, x.row(kAlphaZ));
-    const Points<3, Set::ColsAtCompileTime> dv = x.template middleRows<3>(kVelocityEast);
-    const Points<3, Set::ColsAtCompileTime> dw = interval.transport().lazyProduct(dv);
+    const Components<Row> dv{x.row(kVelocityEast), x.row(kVelocityNorth), x.row(kVelocityUp)};
+    const Components<Row> dw = interval.transport_rate(dv);
 
     // Rate of n' relative to n, eq. 17.
     const Eigen::Vector3d w = interval.omega_ie + interval.omega_en;
     Components<Row> turn;
     for (int i = 0; i < 3; ++i) {
-        turn[i] = w[i] - C.times(i, w) + dw.row(i).array();
+        turn[i] = w[i] - C.times(i, w) + dw[i];
     }
 
     Set rate;
@@ -141,9 +141,9 @@ Set EulerPlatform::rate(const Set& x, const Interval& interval) const {
         return velocity_form == VelocityForm::vertical_force ? Row(C.times(i, vertical) - vertical[i])
                                                              : Row(f[i] - C.transposed_times(i, f));
     };
-    const auto coriolis = interval.coriolis_rate(dv);
+    const Components<Row> coriolis = interval.coriolis_rate(dv, dw);
     for (int i = 0; i < 3; ++i) {
-        rate.row(kVelocityEast + i) = force(i) + coriolis.row(i).array();
+        rate.row(kVelocityEast + i) = force(i) + coriolis[i];
     }
     return rate;
 }

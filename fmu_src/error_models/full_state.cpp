@@ -10,7 +10,7 @@ Matrix<FullState::kStates> FullState::transition(const State& x, const Interval&
     const Mechanisation end = mechanised(x, interval);
     const double dt = interval.increment.dt;
     const NavigationInterval mean(dt, x.q_bn.toRotationMatrix(), end.delta_velocity_n() / dt,
-                                  0.5 * (x.velocity + end.state.velocity), earth::Place(x.position));
+                                  0.5 * (x.velocity + end.state.velocity), x.position);
     return truenorth::transition(navigation_error::jacobian(mean), dt, Discretisation::runge_kutta);
 }
 

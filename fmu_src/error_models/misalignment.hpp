@@ -8,16 +8,13 @@
 
 #include <array>
 
+#include "estimation/gaussian.hpp"
 #include "inertial/mechanisation.hpp"
 #include "inertial/sincos.hpp"
 
 namespace truenorth {
 
 enum class Misalignment { large, large_azimuth, small };
-
-// The components of a vector; Row holds one of them for every point of a set.
-template <class Row>
-using Components = std::array<Row, 3>;
 
 // C for every point of a set: Row is an array with an element a point, or a number.
 template <class Row>

@@ -15,10 +15,14 @@ NavigationInterval::NavigationInterval(double dt, const Eigen::Matrix3d& C_bn, c
       tan_latitude(place.tan_latitude()),
       gravity(place.gravity()) {}
 
+NavigationInterval::NavigationInterval(double dt, const Eigen::Matrix3d& C_bn, const Eigen::Vector3d& force,
+                                       const Eigen::Vector3d& velocity, const earth::Position& position)
+    : NavigationInterval(dt, C_bn, force, velocity, earth::Place(position)) {}
+
 NavigationInterval::NavigationInterval(const IntervalAverage& average, const earth::Position& position,
                                        const Eigen::Vector3d& velocity_error)
     : NavigationInterval(average.duration(), average.C_bn(), average.force(),
-                         average.velocity() - velocity_error, earth::Place(position)) {}
+                         average.velocity() - velocity_error, position) {}
 
 Eigen::Matrix3d NavigationInterval::transport() const {
     Eigen::Matrix3d T;

@@ -22,16 +22,14 @@ Radii radii_of(double per_w) {
 
 }  // namespace
 
-Place::Place(double latitude, double height) : height(height) {
-    const auto [sine, cosine] = sincos(latitude);
-    sin_latitude = sine;
-    cos_latitude = cosine;
-    per_cos_latitude = 1.0 / cosine;
-    per_w = per_w_of(sine);
-    const auto [meridian, prime_vertical] = radii_of(per_w);
-    per_meridian_radius = 1.0 / (meridian + height);
-    per_prime_vertical_radius = 1.0 / (prime_vertical + height);
-}
+Place::Place(const SineCosine<double>& latitude, double height)
+    : height(height),
+      sin_latitude(latitude.sine),
+      cos_latitude(latitude.cosine),
+      per_cos_latitude(1.0 / cos_latitude),
+      per_w(per_w_of(sin_latitude)),
+      per_meridian_radius(1.0 / (radii_of(per_w).meridian + height)),
+      per_prime_vertical_radius(1.0 / (radii_of(per_w).prime_vertical + height)) {}
 
 double Place::gravity() const {
     constexpr double semi_minor_axis = kSemiMajorAxis * (1.0 - kFlattening);

@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "inertial/sincos.hpp"
+
 namespace truenorth::earth {
 
 // WGS-84 (NIMA TR8350.2, 3rd ed., tables 3.1, 3.3, 3.4).
@@ -41,7 +43,8 @@ Radii radii(double latitude);
 
 // What the formulas below share of a latitude [rad] and a height [m], computed once; they are its members.
 struct Place {
-    Place(double latitude, double height);
+    Place(const SineCosine<double>& latitude, double height);
+    Place(double latitude, double height) : Place(sincos(latitude), height) {}
     explicit Place(const Position& position) : Place(position.latitude, position.height) {}
 
     double height;  // [m]
