@@ -1,7 +1,5 @@
 #include "error_models/euler_platform.hpp"
 
-#include <cmath>
-
 #include "estimation/model.hpp"
 
 namespace truenorth {
@@ -22,10 +20,9 @@ Matrix3d inverse_euler_rate_matrix(Misalignment form, const Vector3d& alpha) {
 
 // d(C_w^-1 turn)/d alpha for a constant `turn`.
 Matrix3d derivative_of_euler_rates(const Vector3d& alpha, const Vector3d& turn) {
-    const double tx = std::tan(alpha.x());
-    const double cx = std::cos(alpha.x());
-    const double cy = std::cos(alpha.y());
-    const double sy = std::sin(alpha.y());
+    const auto [sx, cx] = sincos(alpha.x());
+    const auto [sy, cy] = sincos(alpha.y());
+    const double tx = sx / cx;
     const double about_x = cy * turn.x() + sy * turn.z();
     const double about_z = cy * turn.z() - sy * turn.x();
     Matrix3d derivative;

@@ -110,24 +110,24 @@ Set EulerPlatform::rate(const Set& x, const Interval& interval) const {
     const Row alpha_x = x.row(kAlphaX);
     const Row alpha_y = x.row(kAlphaY);
     const MisalignmentMatrix<Row> C(form, alpha_x, alpha_y, x.row(kAlphaZ));
-    const Points<3, Set::ColsAtCompileTime> dv = x.template middleRows<3>(kVelocityEast);
-    const Points<3, Set::ColsAtCompileTime> dw = interval.transport().lazyProduct(dv);
+    const Components<Row> dv{x.row(kVelocityEast), x.row(kVelocityNorth), x.row(kVelocityUp)};
+    const Components<Row> dw = interval.transport_rate(dv);
 
     // Rate of n' relative to n, eq. 17.
     const Eigen::Vector3d w = interval.omega_ie + interval.omega_en;
     Components<Row> turn;
     for (int i = 0; i < 3; ++i) {
-        turn[i] = w[i] - C.times(i, w) + dw.row(i).array();
+        turn[i] = w[i] - C.times(i, w) + dw[i];
     }
 
     Set rate;
     if (form == Misalignment::large) {  // C_w^-1, eq. 18
-        const Row cy = alpha_y.cos();
-        const Row sy = alpha_y.sin();
+        const auto [sx, cx] = sincos(alpha_x);
+        const auto [sy, cy] = sincos(alpha_y);
         const Row about_z = cy * turn[2] - sy * turn[0];
         rate.row(kAlphaX) = cy * turn[0] + sy * turn[2];
-        rate.row(kAlphaY) = turn[1] - alpha_x.tan() * about_z;
-        rate.row(kAlphaZ) = about_z / alpha_x.cos();
+        rate.row(kAlphaY) = turn[1] - sx / cx * about_z;
+        rate.row(kAlphaZ) = about_z / cx;
     } else {
         rate.row(kAlphaX) = turn[0];
         rate.row(kAlphaY) = turn[1];
@@ -141,9 +141,9 @@ Set EulerPlatform::rate(const Set& x, const Interval& interval) const {
         return velocity_form == VelocityForm::vertical_force ? Row(C.times(i, vertical) - vertical[i])
                                                              : Row(f[i] - C.transposed_times(i, f));
     };
-    const auto coriolis = interval.coriolis_rate(dv);
+    const Components<Row> coriolis = interval.coriolis_rate(dv, dw);
     for (int i = 0; i < 3; ++i) {
-        rate.row(kVelocityEast + i) = force(i) + coriolis.row(i).array();
+        rate.row(kVelocityEast + i) = force(i) + coriolis[i];
     }
     return rate;
 }

@@ -111,9 +111,8 @@ class LargeAzimuth {
 template <class Set>
 Set LargeAzimuth::rate(const Set& x, const Interval& interval) const {
     using Row = Eigen::Array<double, 1, Set::ColsAtCompileTime>;
-    Points<3, Set::ColsAtCompileTime> dv;
-    dv << x.template middleRows<2>(kVelocityEast), Points<1, Set::ColsAtCompileTime>::Zero();
-    const Points<3, Set::ColsAtCompileTime> dw = interval.transport().lazyProduct(dv);
+    const Components<Row> dv{x.row(kVelocityEast), x.row(kVelocityNorth), Row::Zero()};
+    const Components<Row> dw = interval.transport_rate(dv);
     const Row phi_n = x.row(kPhiNorth);
     const MisalignmentMatrix<Row> C(Misalignment::large_azimuth, x.row(kPhiEast), phi_n, x.row(kPhiUp));
 
@@ -127,12 +126,13 @@ Set LargeAzimuth::rate(const Set& x, const Interval& interval) const {
                C_bn(axis, 2) * x.row(kGyroZ).array();
     };
 
-    Set rate = Set::Zero();
+    Set rate;
+    rate.template bottomRows<kStates - kAccelerometerX>().setZero();
 
     // Misalignment.
     const Eigen::Vector3d w = interval.omega_ie + interval.omega_en;
     for (int i = 0; i < 3; ++i) {
-        rate.row(kPhiEast + i) = w[i] - C.times(i, w) + dw.row(i).array() - epsilon(i);
+        rate.row(kPhiEast + i) = w[i] - C.times(i, w) + dw[i] - epsilon(i);
     }
 
     // Velocity: force and accelerometer bias.
@@ -158,9 +158,9 @@ Set LargeAzimuth::rate(const Set& x, const Interval& interval) const {
     }
 
     // Velocity: Coriolis and transport terms.
-    const auto coriolis = interval.coriolis_rate(dv);
-    rate.row(kVelocityEast) = force[0] + coriolis.row(0).array();
-    rate.row(kVelocityNorth) = force[1] + coriolis.row(1).array();
+    const Components<Row> coriolis = interval.coriolis_rate(dv, dw);
+    rate.row(kVelocityEast) = force[0] + coriolis[0];
+    rate.row(kVelocityNorth) = force[1] + coriolis[1];
     return rate;
 }
 

@@ -59,10 +59,8 @@ Matrix3d derivative_of_transposed_product(Misalignment form, const Vector3d& alp
 }
 
 Matrix3d euler_rate_matrix(const Vector3d& alpha) {
-    const double sx = std::sin(alpha.x());
-    const double cx = std::cos(alpha.x());
-    const double sy = std::sin(alpha.y());
-    const double cy = std::cos(alpha.y());
+    const auto [sx, cx] = sincos(alpha.x());
+    const auto [sy, cy] = sincos(alpha.y());
     Matrix3d C_w;
     C_w << cy, 0.0, -sy * cx,  //
         0.0, 1.0, sx,          //

@@ -7,40 +7,32 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 
+#include "estimation/gaussian.hpp"
 #include "inertial/mechanisation.hpp"
+#include "inertial/sincos.hpp"
 
 namespace truenorth {
 
 enum class Misalignment { large, large_azimuth, small };
-
-// The components of a vector; Row holds one of them for every point of a set.
-template <class Row>
-using Components = std::array<Row, 3>;
 
 // C for every point of a set: Row is an array with an element a point, or a number.
 template <class Row>
 class MisalignmentMatrix {
   public:
     MisalignmentMatrix(Misalignment form, const Row& x, const Row& y, const Row& z) {
-        using std::cos;
-        using std::sin;
         if (form == Misalignment::small) {
             const Row one = 1.0 + 0.0 * z;
             C_ = {{{one, z, -y}, {-z, one, x}, {y, -x, one}}};
             return;
         }
-        const Row cz = cos(z);
-        const Row sz = sin(z);
+        const auto [sz, cz] = sincos(z);
         if (form == Misalignment::large_azimuth) {
             C_ = {{{cz, sz, -y}, {-sz, cz, x}, {y * cz + x * sz, y * sz - x * cz, 1.0 + 0.0 * z}}};
             return;
         }
-        const Row cx = cos(x);
-        const Row sx = sin(x);
-        const Row cy = cos(y);
-        const Row sy = sin(y);
+        const auto [sx, cx] = sincos(x);
+        const auto [sy, cy] = sincos(y);
         C_ = {{{cy * cz - sy * sx * sz, cy * sz + sy * sx * cz, -sy * cx},
                {-cx * sz, cx * cz, sx},
                {sy * cz + cy * sx * sz, sy * sz - cy * sx * cz, cy * cx}}};

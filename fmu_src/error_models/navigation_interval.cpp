@@ -1,21 +1,23 @@
 #include "error_models/navigation_interval.hpp"
 
-#include <cmath>
-
 namespace truenorth {
 
 NavigationInterval::NavigationInterval(double dt, const Eigen::Matrix3d& C_bn, const Eigen::Vector3d& force,
-                                       const Eigen::Vector3d& velocity, const earth::Position& position)
+                                       const Eigen::Vector3d& velocity, const earth::Place& place)
     : dt(dt),
       C_bn(C_bn),
       force(force),
       velocity(velocity),
-      omega_ie(earth::rate(position.latitude)),
-      omega_en(earth::transport_rate(position, velocity)),
-      per_meridian_radius(1.0 / (earth::radii(position.latitude).meridian + position.height)),
-      per_prime_vertical_radius(1.0 / (earth::radii(position.latitude).prime_vertical + position.height)),
-      tan_latitude(std::tan(position.latitude)),
-      gravity(earth::gravity(position.latitude, position.height)) {}
+      omega_ie(place.rate()),
+      omega_en(place.transport_rate(velocity)),
+      per_meridian_radius(place.per_meridian_radius),
+      per_prime_vertical_radius(place.per_prime_vertical_radius),
+      tan_latitude(place.tan_latitude()),
+      gravity(place.gravity()) {}
+
+NavigationInterval::NavigationInterval(double dt, const Eigen::Matrix3d& C_bn, const Eigen::Vector3d& force,
+                                       const Eigen::Vector3d& velocity, const earth::Position& position)
+    : NavigationInterval(dt, C_bn, force, velocity, earth::Place(position)) {}
 
 NavigationInterval::NavigationInterval(const IntervalAverage& average, const earth::Position& position,
                                        const Eigen::Vector3d& velocity_error)

@@ -30,28 +30,37 @@ struct NavigationInterval {
     double tan_latitude;
     double gravity;  // [m/s2]
 
-    // T [1/m].
+    // T [1/m], and dw_en = T dv for every point of a set.
     [[nodiscard]] Eigen::Matrix3d transport() const;
+    template <class Row>
+    [[nodiscard]] Components<Row> transport_rate(const Components<Row>& dv) const {
+        const Row north = dv[0] * per_prime_vertical_radius;
+        return {-dv[1] * per_meridian_radius, north, north * tan_latitude};
+    }
 
-    // By which the turning axes change a velocity error dv, for every column of it:
+    // By which the turning axes change a velocity error dv, for every point of a set:
     // -(2 w_ie + w_en) x dv - dw_en x (v + dv), as the mechanisation multiplies w_en by the v + dv it has.
-    template <int Count>
-    [[nodiscard]] Points<3, Count> coriolis_rate(const Points<3, Count>& dv) const;
+    template <class Row>
+    [[nodiscard]] Components<Row> coriolis_rate(const Components<Row>& dv,
+                                                const Components<Row>& dw_en) const;
 
     // The Jacobian of that at dv [1/s]; at zero v x T - (2 w_ie + w_en) x.
     [[nodiscard]] Eigen::Matrix3d coriolis(const Eigen::Vector3d& dv = Eigen::Vector3d::Zero()) const;
+
+  private:
+    NavigationInterval(double dt, const Eigen::Matrix3d& C_bn, const Eigen::Vector3d& force,
+                       const Eigen::Vector3d& velocity, const earth::Place& place);
 };
 
-template <int Count>
-Points<3, Count> NavigationInterval::coriolis_rate(const Points<3, Count>& dv) const {
-    const Points<3, Count> dw_en = transport().lazyProduct(dv);
-    Points<3, Count> rate = coriolis().lazyProduct(dv);
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3;
-        const int k = (i + 2) % 3;
-        rate.row(i) -= dw_en.row(j).cwiseProduct(dv.row(k)) - dw_en.row(k).cwiseProduct(dv.row(j));
-    }
-    return rate;
+template <class Row>
+Components<Row> NavigationInterval::coriolis_rate(const Components<Row>& dv,
+                                                  const Components<Row>& dw_en) const {
+    const Eigen::Vector3d w = 2.0 * omega_ie + omega_en;
+    const auto along = [&](int j, int k) -> Row {
+        return (w[k] + dw_en[k]) * dv[j] - (w[j] + dw_en[j]) * dv[k] +
+               (dw_en[k] * velocity[j] - dw_en[j] * velocity[k]);
+    };
+    return {along(1, 2), along(2, 0), along(0, 1)};
 }
 
 }  // namespace truenorth

@@ -4,17 +4,29 @@
 // the second alone. `discretisation` says how they are integrated.
 #pragma once
 
+#include <algorithm>
+
 #include "estimation/gaussian.hpp"
 #include "estimation/integration.hpp"
 
 namespace truenorth {
 
-// Moves the centre x and every deviation from it at the given rate of points.
+// Moves the centre x and every deviation from it; rate(points, first) is that of some of the points, the
+// first of which is in column `first`. A few of them go all the way at a time, so that little leaves the
+// registers.
 template <class Model, class Set, class Rate>
 void propagate_at(const Rate& rate, const Model& model, typename Model::State& x, Set& deviations,
                   double dt) {
-    const Set start = deviations.colwise() + x;
-    const Set end = integrate(start, rate, dt, model.discretisation);
+    constexpr int count = Set::ColsAtCompileTime;
+    constexpr int few = std::min(count, 8);
+    using Few = Points<Model::kStates, few>;
+    Set end;
+    for (int next = 0; next < count; next += few) {
+        const int first = std::min(next, count - few);  // the last ones may have been moved before
+        const Few start = deviations.template middleCols<few>(first).colwise() + x;
+        const auto rate_of_few = [&](const Few& points) { return rate(points, first); };
+        end.template middleCols<few>(first) = integrate(start, rate_of_few, dt, model.discretisation);
+    }
     x = end.col(0);
     deviations = end.colwise() - x;
 }
@@ -22,7 +34,7 @@ void propagate_at(const Rate& rate, const Model& model, typename Model::State& x
 template <class Model, class Set>
 void propagate_vectors(const Model& model, typename Model::State& x, Set& deviations,
                        const typename Model::Interval& interval) {
-    const auto rate = [&](const Set& points) { return model.rate(points, interval); };
+    const auto rate = [&](const auto& points, int /*first*/) { return model.rate(points, interval); };
     propagate_at(rate, model, x, deviations, interval.dt);
 }
 
@@ -30,8 +42,10 @@ void propagate_vectors(const Model& model, typename Model::State& x, Set& deviat
 template <class Model, class Set>
 void propagate_vectors(const Model& model, typename Model::State& x, Set& deviations, const Set& noise,
                        const typename Model::Interval& interval) {
-    const Set drive = noise / interval.dt;
-    const auto rate = [&](const Set& points) { return Set(model.rate(points, interval) + drive); };
+    const auto rate = [&]<class Few>(const Few& points, int first) -> Few {
+        const auto drive = noise.template middleCols<Few::ColsAtCompileTime>(first) / interval.dt;
+        return model.rate(points, interval) + drive;
+    };
     propagate_at(rate, model, x, deviations, interval.dt);
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <limits>
 
 namespace truenorth {
@@ -19,6 +20,10 @@ using Matrix = Eigen::Matrix<double, Rows, Cols>;
 // consecutive memory and a model's arithmetic vectorises across points.
 template <int N, int Count>
 using Points = Eigen::Matrix<double, N, Count, (N > 1 && Count == 1) ? Eigen::ColMajor : Eigen::RowMajor>;
+
+// The components of a vector in space; Row holds one of them for every point of a set.
+template <class Row>
+using Components = std::array<Row, 3>;
 
 // The prior of a measurement of M components, its channels, seen from the N states.
 //

@@ -1,7 +1,8 @@
 // Square root of a covariance, with a defined outcome when rounding has spoilt it.
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <cmath>
 #include <optional>
 
 #include "estimation/bounded.hpp"
@@ -22,12 +23,29 @@ struct SquareRoot {
 // A of a finite covariance that is not positive definite; none if its eigenvalues are not found.
 std::optional<BoundedMatrix> root_of_nearest(const BoundedMatrix& covariance);
 
+// Lower triangle L, L L^T = covariance; none of what is not positive definite. Whole columns are subtracted,
+// whose length a compiler knows: what is above the diagonal comes to zero but for rounding.
+template <int N>
+std::optional<Matrix<N>> cholesky(const Matrix<N>& covariance) {
+    Matrix<N> L = covariance;
+    for (int j = 0; j < N; ++j) {
+        if (!(L(j, j) > 0.0)) {
+            return std::nullopt;
+        }
+        L.col(j) *= 1.0 / std::sqrt(L(j, j));
+        for (int k = j + 1; k < N; ++k) {
+            L.col(k) -= L(k, j) * L.col(j);
+        }
+    }
+    L.template triangularView<Eigen::StrictlyUpper>().setZero();
+    return L;
+}
+
 template <int N>
 SquareRoot<N> square_root(const Matrix<N>& covariance) {
     static_assert(N <= kMostStates);
-    const Eigen::LLT<Matrix<N>> cholesky(covariance);
-    if (cholesky.info() == Eigen::Success && covariance.allFinite()) {
-        return {cholesky.matrixL()};
+    if (const auto lower = cholesky<N>(covariance); lower && covariance.allFinite()) {
+        return {*lower};
     }
     if (covariance.allFinite()) {
         if (const auto root = root_of_nearest(covariance)) {

@@ -1,6 +1,7 @@
 #include "inertial/attitude.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -21,11 +22,17 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
 }
 
 Eigen::Matrix3d dcm(const EulerAngles& angles) {
-    using Eigen::AngleAxisd;
-    using Eigen::Vector3d;
-    return (AngleAxisd(-angles.heading, Vector3d::UnitZ()) * AngleAxisd(angles.pitch, Vector3d::UnitX()) *
-            AngleAxisd(angles.roll, Vector3d::UnitY()))
-        .toRotationMatrix();
+    return dcm(sincos(Eigen::Array3d(angles.roll, angles.pitch, angles.heading)));
+}
+
+Eigen::Matrix3d dcm(const SineCosine<Eigen::Array3d>& angles) {
+    const auto [sr, sp, sh] = std::array{angles.sine[0], angles.sine[1], angles.sine[2]};
+    const auto [cr, cp, ch] = std::array{angles.cosine[0], angles.cosine[1], angles.cosine[2]};
+    Eigen::Matrix3d C_bn;
+    C_bn << ch * cr + sh * sp * sr, sh * cp, ch * sr - sh * sp * cr,  //
+        ch * sp * sr - sh * cr, ch * cp, -sh * sr - ch * sp * cr,     //
+        -cp * sr, sp, cp * cr;
+    return C_bn;
 }
 
 EulerAngles euler_angles(const Eigen::Matrix3d& C_bn) {
@@ -36,7 +43,7 @@ EulerAngles euler_angles(const Eigen::Matrix3d& C_bn) {
         heading += 2.0 * std::numbers::pi;
     }
     return {.roll = std::atan2(-C_bn(2, 0), C_bn(2, 2)),
-            .pitch = std::atan2(C_bn(2, 1), std::hypot(C_bn(2, 0), C_bn(2, 2))),
+            .pitch = std::atan2(C_bn(2, 1), std::sqrt(C_bn(2, 0) * C_bn(2, 0) + C_bn(2, 2) * C_bn(2, 2))),
             .heading = heading < 2.0 * std::numbers::pi
                            ? heading
                            : 0.0};  // a tiny negative one has become a whole turn
@@ -49,8 +56,9 @@ Eigen::Quaterniond quaternion(const Eigen::Vector3d& rotation_vector) {
     double cosine = 1.0 - angle2 / 8.0;
     if (angle2 > 1e-8) {
         const double angle = std::sqrt(angle2);
-        sine_over_angle = std::sin(0.5 * angle) / angle;
-        cosine = std::cos(0.5 * angle);
+        const SineCosine<double> half = sincos(0.5 * angle);
+        sine_over_angle = half.sine / angle;
+        cosine = half.cosine;
     }
     const Eigen::Vector3d v = sine_over_angle * rotation_vector;
     return {cosine, v.x(), v.y(), v.z()};
@@ -74,8 +82,9 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& rotation_vector) {
     double second = 1.0 / 6.0 - angle2 / 120.0;
     if (angle2 > 1e-6) {
         const double angle = std::sqrt(angle2);
-        first = 2.0 * std::pow(std::sin(0.5 * angle), 2) / angle2;
-        second = (angle - std::sin(angle)) / (angle2 * angle);
+        const Eigen::Array2d sine = sincos(Eigen::Array2d(0.5 * angle, angle)).sine;
+        first = 2.0 * sine[0] * sine[0] / angle2;
+        second = (angle - sine[1]) / (angle2 * angle);
     }
     const Eigen::Matrix3d A = skew(rotation_vector);
     return Eigen::Matrix3d::Identity() + first * A + second * A * A;

@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "inertial/sincos.hpp"
+
 namespace truenorth {
 
 // Euler angles [rad]; heading in [0, 2 pi), pitch in [-pi/2, pi/2], roll in (-pi, pi].
@@ -26,8 +28,10 @@ double wrap_angle(double angle);
 // Cross-product matrix: skew(a) b = a x b.
 Eigen::Matrix3d skew(const Eigen::Vector3d& a);
 
-// Body-to-navigation matrix C_bn of the Euler angles, and back.
+// Body-to-navigation matrix C_bn of the Euler angles, or of the sines and cosines of roll, pitch and heading,
+// and back.
 Eigen::Matrix3d dcm(const EulerAngles& angles);
+Eigen::Matrix3d dcm(const SineCosine<Eigen::Array3d>& angles);
 EulerAngles euler_angles(const Eigen::Matrix3d& C_bn);
 
 // Unit quaternion of a rotation vector [rad]: v -> v rotated by |a| about a. Accurate for any |a|, 0

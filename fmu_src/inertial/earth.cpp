@@ -3,41 +3,57 @@
 #include <cmath>
 
 #include "inertial/attitude.hpp"
+#include "inertial/sincos.hpp"
 
 namespace truenorth::earth {
 
-Radii radii(double latitude) {
-    const double s = std::sin(latitude);
-    const double w2 = 1.0 - kEccentricity2 * s * s;
-    const double prime_vertical = kSemiMajorAxis / std::sqrt(w2);
-    return {.meridian = prime_vertical * (1.0 - kEccentricity2) / w2, .prime_vertical = prime_vertical};
+namespace {
+
+// 1 / sqrt(1 - e^2 sin^2 latitude).
+double per_w_of(double sin_latitude) {
+    return 1.0 / std::sqrt(1.0 - kEccentricity2 * sin_latitude * sin_latitude);
 }
 
-double gravity(double latitude, double height) {
+Radii radii_of(double per_w) {
+    const double prime_vertical = kSemiMajorAxis * per_w;
+    return {.meridian = prime_vertical * (1.0 - kEccentricity2) * per_w * per_w,
+            .prime_vertical = prime_vertical};
+}
+
+}  // namespace
+
+Place::Place(const SineCosine<double>& latitude, double height)
+    : height(height),
+      sin_latitude(latitude.sine),
+      cos_latitude(latitude.cosine),
+      per_cos_latitude(1.0 / cos_latitude),
+      per_w(per_w_of(sin_latitude)),
+      per_meridian_radius(1.0 / (radii_of(per_w).meridian + height)),
+      per_prime_vertical_radius(1.0 / (radii_of(per_w).prime_vertical + height)) {}
+
+double Place::gravity() const {
     constexpr double semi_minor_axis = kSemiMajorAxis * (1.0 - kFlattening);
     constexpr double k = semi_minor_axis * kPolarGravity / (kSemiMajorAxis * kEquatorialGravity) - 1.0;
     constexpr double m =
         kRate * kRate * kSemiMajorAxis * kSemiMajorAxis * semi_minor_axis / kGravitationalParameter;
-    const double s2 = std::sin(latitude) * std::sin(latitude);
-    const double on_ellipsoid = kEquatorialGravity * (1.0 + k * s2) / std::sqrt(1.0 - kEccentricity2 * s2);
+    const double s2 = sin_latitude * sin_latitude;
+    const double on_ellipsoid = kEquatorialGravity * (1.0 + k * s2) * per_w;
     const double h = height / kSemiMajorAxis;
     return on_ellipsoid * (1.0 - 2.0 * (1.0 + kFlattening + m - 2.0 * kFlattening * s2) * h + 3.0 * h * h);
 }
 
-Eigen::Vector3d rate(double latitude) {
-    return {0.0, kRate * std::cos(latitude), kRate * std::sin(latitude)};
-}
+Radii radii(double latitude) { return radii_of(per_w_of(sincos(latitude).sine)); }
+
+double gravity(double latitude, double height) { return Place(latitude, height).gravity(); }
+
+Eigen::Vector3d rate(double latitude) { return Place(latitude, 0.0).rate(); }
 
 Eigen::Vector3d transport_rate(const Position& position, const Eigen::Vector3d& velocity) {
-    const auto [meridian, prime_vertical] = radii(position.latitude);
-    const double east = velocity.x() / (prime_vertical + position.height);
-    return {-velocity.y() / (meridian + position.height), east, east * std::tan(position.latitude)};
+    return Place(position).transport_rate(velocity);
 }
 
 Eigen::Vector3d position_rate(const Position& position, const Eigen::Vector3d& velocity) {
-    const auto [meridian, prime_vertical] = radii(position.latitude);
-    return {velocity.y() / (meridian + position.height),
-            velocity.x() / ((prime_vertical + position.height) * std::cos(position.latitude)), velocity.z()};
+    return Place(position).position_rate(velocity);
 }
 
 Position displaced(const Position& position, const Eigen::Vector3d& displacement) {
@@ -48,24 +64,22 @@ Position displaced(const Position& position, const Eigen::Vector3d& displacement
 }
 
 Eigen::Vector3d displacement(const Position& from, const Position& to) {
-    const auto [meridian, prime_vertical] = radii(from.latitude);
-    return {
-        wrap_angle(to.longitude - from.longitude) * (prime_vertical + from.height) * std::cos(from.latitude),
-        (to.latitude - from.latitude) * (meridian + from.height), to.height - from.height};
+    const Place place(from);
+    return {wrap_angle(to.longitude - from.longitude) / place.per_prime_vertical_radius * place.cos_latitude,
+            (to.latitude - from.latitude) / place.per_meridian_radius, to.height - from.height};
 }
 
 Eigen::Vector3d ecef(const Position& position) {
-    const double prime_vertical = radii(position.latitude).prime_vertical;
-    const double from_axis = (prime_vertical + position.height) * std::cos(position.latitude);
-    return {from_axis * std::cos(position.longitude), from_axis * std::sin(position.longitude),
-            ((1.0 - kEccentricity2) * prime_vertical + position.height) * std::sin(position.latitude)};
+    const auto [sine, cosine] = sincos(Eigen::Array2d(position.latitude, position.longitude));
+    const double prime_vertical = radii_of(per_w_of(sine[0])).prime_vertical;
+    const double from_axis = (prime_vertical + position.height) * cosine[0];
+    return {from_axis * cosine[1], from_axis * sine[1],
+            ((1.0 - kEccentricity2) * prime_vertical + position.height) * sine[0]};
 }
 
 Eigen::Matrix3d C_en(const Position& position) {
-    const double sin_latitude = std::sin(position.latitude);
-    const double cos_latitude = std::cos(position.latitude);
-    const double sin_longitude = std::sin(position.longitude);
-    const double cos_longitude = std::cos(position.longitude);
+    const auto [sin_latitude, cos_latitude] = sincos(position.latitude);
+    const auto [sin_longitude, cos_longitude] = sincos(position.longitude);
     Eigen::Matrix3d C;
     C << -sin_longitude, cos_longitude, 0.0,                                         //
         -sin_latitude * cos_longitude, -sin_latitude * sin_longitude, cos_latitude,  //
@@ -79,16 +93,15 @@ Position geodetic(const Eigen::Vector3d& ecef) {
     const double from_axis = std::hypot(ecef.x(), ecef.y());
     double latitude = std::atan2(ecef.z(), (1.0 - kEccentricity2) * from_axis);
     for (int i = 0; i < 3; ++i) {
-        const double reduced = std::atan2((1.0 - kFlattening) * std::sin(latitude), std::cos(latitude));
-        const double sine = std::sin(reduced);
-        const double cosine = std::cos(reduced);
+        const auto [sin_latitude, cos_latitude] = sincos(latitude);
+        const auto [sine, cosine] = sincos(std::atan2((1.0 - kFlattening) * sin_latitude, cos_latitude));
         latitude = std::atan2(ecef.z() + second_eccentricity2 * semi_minor_axis * sine * sine * sine,
                               from_axis - kEccentricity2 * kSemiMajorAxis * cosine * cosine * cosine);
     }
-    const double sin_latitude = std::sin(latitude);
+    const auto [sin_latitude, cos_latitude] = sincos(latitude);
     return {.latitude = latitude,
             .longitude = std::atan2(ecef.y(), ecef.x()),
-            .height = from_axis * std::cos(latitude) + ecef.z() * sin_latitude -
+            .height = from_axis * cos_latitude + ecef.z() * sin_latitude -
                       kSemiMajorAxis * std::sqrt(1.0 - kEccentricity2 * sin_latitude * sin_latitude)};
 }
 
@@ -102,8 +115,8 @@ Eigen::Vector3d gravitation(const Eigen::Vector3d& ecef) {
 }
 
 Eigen::Quaterniond turn(double time) {
-    const double half = 0.5 * kRate * time;
-    return {std::cos(half), 0.0, 0.0, -std::sin(half)};
+    const auto [sine, cosine] = sincos(0.5 * kRate * time);
+    return {cosine, 0.0, 0.0, -sine};
 }
 
 }  // namespace truenorth::earth

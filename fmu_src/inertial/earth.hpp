@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "inertial/sincos.hpp"
+
 namespace truenorth::earth {
 
 // WGS-84 (NIMA TR8350.2, 3rd ed., tables 3.1, 3.3, 3.4).
@@ -38,6 +40,33 @@ struct Radii {
     double prime_vertical;
 };
 Radii radii(double latitude);
+
+// What the formulas below share of a latitude [rad] and a height [m], computed once; they are its members.
+struct Place {
+    Place(const SineCosine<double>& latitude, double height);
+    Place(double latitude, double height) : Place(sincos(latitude), height) {}
+    explicit Place(const Position& position) : Place(position.latitude, position.height) {}
+
+    double height;  // [m]
+    double sin_latitude;
+    double cos_latitude;
+    double per_cos_latitude;
+    double per_w;                      // 1 / sqrt(1 - e^2 sin^2 latitude)
+    double per_meridian_radius;        // 1 / (R_M + h) [1/m]
+    double per_prime_vertical_radius;  // 1 / (R_N + h) [1/m]
+
+    [[nodiscard]] double tan_latitude() const { return sin_latitude * per_cos_latitude; }
+    [[nodiscard]] double gravity() const;
+    [[nodiscard]] Eigen::Vector3d rate() const { return {0.0, kRate * cos_latitude, kRate * sin_latitude}; }
+    [[nodiscard]] Eigen::Vector3d transport_rate(const Eigen::Vector3d& velocity) const {
+        const double east = velocity.x() * per_prime_vertical_radius;
+        return {-velocity.y() * per_meridian_radius, east, east * tan_latitude()};
+    }
+    [[nodiscard]] Eigen::Vector3d position_rate(const Eigen::Vector3d& velocity) const {
+        return {velocity.y() * per_meridian_radius,
+                velocity.x() * per_prime_vertical_radius * per_cos_latitude, velocity.z()};
+    }
+};
 
 // Magnitude of normal gravity [m/s2]: Somigliana on the ellipsoid, second-order expansion in height
 // (TR8350.2, eq. 4-3). The gravity vector in n is (0, 0, -gravity).

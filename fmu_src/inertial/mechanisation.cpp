@@ -34,14 +34,15 @@ void Mechanisation::advance(const ImuIncrement& increment) {
     // Slow quantities at the middle of the interval.
     const Eigen::Vector3d velocity_mid = state.velocity + 0.5 * dt * acceleration_;
     const earth::Position position_mid = earth::displaced(state.position, 0.5 * dt * state.velocity);
-    const Eigen::Vector3d omega_ie = earth::rate(position_mid.latitude);
-    const Eigen::Vector3d omega_en = earth::transport_rate(position_mid, velocity_mid);
+    const earth::Place place(position_mid);
+    const Eigen::Vector3d omega_ie = place.rate();
+    const Eigen::Vector3d omega_en = place.transport_rate(velocity_mid);
     const Eigen::Vector3d navigation_rotation = (omega_ie + omega_en) * dt;
 
     // Velocity: specific force resolved in n at mid-interval, gravity, Coriolis.
     const Eigen::Vector3d delta_velocity_start = state.q_bn * motion.delta_velocity;
     delta_velocity_n_ = delta_velocity_start - 0.5 * navigation_rotation.cross(delta_velocity_start);
-    const Eigen::Vector3d gravity(0.0, 0.0, -earth::gravity(position_mid.latitude, position_mid.height));
+    const Eigen::Vector3d gravity(0.0, 0.0, -place.gravity());
     const Eigen::Vector3d velocity_change =
         delta_velocity_n_ + dt * (gravity - (2.0 * omega_ie + omega_en).cross(velocity_mid));
     const Eigen::Vector3d velocity_mean = state.velocity + 0.5 * velocity_change;
@@ -49,7 +50,7 @@ void Mechanisation::advance(const ImuIncrement& increment) {
     state.velocity += velocity_change;
 
     // Position: radii and latitude at mid-interval make the step second-order.
-    const Eigen::Vector3d position_rate = earth::position_rate(position_mid, velocity_mean);
+    const Eigen::Vector3d position_rate = place.position_rate(velocity_mean);
     state.position.latitude += position_rate.x() * dt;
     state.position.longitude = wrap_angle(state.position.longitude + position_rate.y() * dt);
     state.position.height += position_rate.z() * dt;

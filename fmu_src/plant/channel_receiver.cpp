@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "inertial/earth.hpp"
+#include "inertial/sincos.hpp"
 
 namespace truenorth::plant {
 
@@ -19,7 +20,7 @@ std::array<Channel, kChannels> ChannelReceiver::measure(std::uint64_t fix, const
     for (std::size_t i = 0; i < kSatellites; ++i) {
         sines[i] = up.dot((satellites[i].position - antenna).normalized());
     }
-    allocation.update(sines, std::sin(reception_.mask_angle),
+    allocation.update(sines, sincos(reception_.mask_angle).sine,
                       reception_.limited.contains(truth.time) ? reception_.limit : kChannels);
 
     const double scale = errors_.noise_scale.at(truth.time);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "inertial/earth.hpp"
+#include "inertial/sincos.hpp"
 
 namespace truenorth::plant {
 
@@ -18,12 +19,13 @@ constexpr std::size_t kPerPlane = 4;
 // `node`: longitude of the ascending node; `argument`: angle in the orbit from there, growing at
 // `mean_motion`.
 Satellite satellite(double node, double argument, double mean_motion) {
-    const Eigen::Vector3d to_node(std::cos(node), std::sin(node), 0.0);
-    const Eigen::Vector3d across(-std::cos(kInclination) * to_node.y(), std::cos(kInclination) * to_node.x(),
-                                 std::sin(kInclination));  // in the plane, 90 deg ahead of the node
-    const Eigen::Vector3d position = kRadius * (std::cos(argument) * to_node + std::sin(argument) * across);
+    const auto [sine, cosine] = sincos(Eigen::Array3d(node, argument, kInclination));
+    const Eigen::Vector3d to_node(cosine[0], sine[0], 0.0);
+    const Eigen::Vector3d across(-cosine[2] * to_node.y(), cosine[2] * to_node.x(),
+                                 sine[2]);  // in the plane, 90 deg ahead of the node
+    const Eigen::Vector3d position = kRadius * (cosine[1] * to_node + sine[1] * across);
     const Eigen::Vector3d inertial_velocity =
-        kRadius * mean_motion * (std::cos(argument) * across - std::sin(argument) * to_node);
+        kRadius * mean_motion * (cosine[1] * across - sine[1] * to_node);
     return {
         .position = position,
         .velocity = inertial_velocity - earth::kRate * Eigen::Vector3d::UnitZ().cross(position),

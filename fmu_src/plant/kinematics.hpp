@@ -19,7 +19,12 @@ struct Kinematics {
     }
 };
 
-// Body rate w_nb^b [rad/s] of the Euler angles whose derivatives are `rates`; C_bn = dcm(angles).
-Eigen::Vector3d body_rate(const EulerAngles& angles, const EulerAngles& rates, const Eigen::Matrix3d& C_bn);
+// Attitude and body rate of Euler angles, given as the sines and cosines of roll, pitch and heading, whose
+// derivatives are `rates`.
+struct Turning {
+    Eigen::Matrix3d C_bn;
+    Eigen::Vector3d omega_nb_b;
+};
+Turning turning(const SineCosine<Eigen::Array3d>& angles, const EulerAngles& rates);
 
 }  // namespace truenorth::plant

@@ -2,9 +2,9 @@
 // another (Jing 2023, eq. 21).
 #pragma once
 
-#include <cmath>
 #include <numbers>
 
+#include "inertial/sincos.hpp"
 #include "plant/time_window.hpp"
 
 namespace truenorth::plant {
@@ -19,8 +19,8 @@ struct NoiseScale {
     [[nodiscard]] double at(double time) const {
         double scale = step.contains(time) ? step_factor : 1.0;
         if (sine.contains(time)) {
-            scale *=
-                1.0 + sine_amplitude * std::sin(2.0 * std::numbers::pi * (time - sine.begin) / sine_period);
+            const double angle = 2.0 * std::numbers::pi * (time - sine.begin) / sine_period;
+            scale *= 1.0 + sine_amplitude * sincos(angle).sine;
         }
         return scale;
     }

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <numbers>
+
+#include "inertial/sincos.hpp"
 
 namespace truenorth::plant {
 
@@ -15,12 +18,22 @@ struct Oscillation {
         Eigen::Vector3d value;
         Eigen::Vector3d rate;  // [1/s]
     };
-
-    [[nodiscard]] Instant at(double time) const {
-        const Eigen::Array3d omega = 2.0 * std::numbers::pi * frequency.array();
-        const Eigen::Array3d angle = omega * time + phase.array();
-        return {.value = amplitude.array() * angle.sin(), .rate = amplitude.array() * omega * angle.cos()};
-    }
 };
+
+// Two of them; one pass for all sines and cosines is cheaper than two.
+inline std::array<Oscillation::Instant, 2> at(double time, const Oscillation& first,
+                                              const Oscillation& second) {
+    using Six = Eigen::Array<double, 6, 1>;
+    Six amplitude, frequency, phase;
+    amplitude << first.amplitude, second.amplitude;
+    frequency << first.frequency, second.frequency;
+    phase << first.phase, second.phase;
+    const Six omega = 2.0 * std::numbers::pi * frequency;
+    const auto [sine, cosine] = sincos(Six(omega * time + phase));
+    const Six value = amplitude * sine;
+    const Six rate = amplitude * omega * cosine;
+    return {{{.value = value.head<3>(), .rate = rate.head<3>()},
+             {.value = value.tail<3>(), .rate = rate.tail<3>()}}};
+}
 
 }  // namespace truenorth::plant

@@ -4,14 +4,14 @@ namespace truenorth::plant {
 
 Kinematics RoadVehicle::at(double time) const {
     const SegmentedTrack::Point point = track_.at(time);
-    const EulerAngles attitude{.pitch = point.climb_angle.value, .heading = point.course.value};
-    const EulerAngles attitude_rate{.pitch = point.climb_angle.rate, .heading = point.course.rate};
-    const Eigen::Matrix3d C_bn = dcm(attitude);
+    const auto [C_bn, omega_nb_b] = turning({.sine = {0.0, point.climb.sine, point.direction.sine},
+                                             .cosine = {1.0, point.climb.cosine, point.direction.cosine}},
+                                            {.pitch = point.climb_angle.rate, .heading = point.course.rate});
     return {
         .velocity = point.velocity(),
         .acceleration = point.acceleration(),
         .C_bn = C_bn,
-        .omega_nb_b = body_rate(attitude, attitude_rate, C_bn),
+        .omega_nb_b = omega_nb_b,
     };
 }
 

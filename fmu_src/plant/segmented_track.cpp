@@ -1,7 +1,5 @@
 #include "plant/segmented_track.hpp"
 
-#include <cmath>
-
 namespace truenorth::plant {
 
 namespace {
@@ -10,13 +8,6 @@ SegmentedTrack::Quantity changing(double from, const Transition& change, double 
     return {.value = from + change.value(time),
             .rate = change.rate(time),
             .acceleration = change.acceleration(time)};
-}
-
-// On the ground.
-Eigen::Vector3d ahead(double course) { return {std::sin(course), std::cos(course), 0.0}; }
-
-Eigen::Vector3d along(double climb_angle, double course) {
-    return std::cos(climb_angle) * ahead(course) + std::sin(climb_angle) * Eigen::Vector3d::UnitZ();
 }
 
 }  // namespace
@@ -62,23 +53,25 @@ const SegmentedTrack::Leg& SegmentedTrack::leg(double time) const {
 
 SegmentedTrack::Point SegmentedTrack::at(double time) const {
     const auto& [begin, from, speed, climb_angle, course] = leg(time);
-    return {.speed = changing(from.speed, speed, time),
-            .climb_angle = changing(from.climb_angle, climb_angle, time),
-            .course = changing(from.course, course, time)};
+    Point point{.speed = changing(from.speed, speed, time),
+                .climb_angle = changing(from.climb_angle, climb_angle, time),
+                .course = changing(from.course, course, time)};
+    point.climb = sincos(point.climb_angle.value);
+    point.direction = sincos(point.course.value);
+    return point;
 }
 
 Eigen::Vector3d SegmentedTrack::Point::velocity() const {
-    return speed.value * along(climb_angle.value, course.value);
+    const Eigen::Vector3d ahead(direction.sine, direction.cosine, 0.0);  // on the ground
+    return speed.value * (climb.cosine * ahead + climb.sine * Eigen::Vector3d::UnitZ());
 }
 
 Eigen::Vector3d SegmentedTrack::Point::acceleration() const {
-    const double cp = std::cos(climb_angle.value);
-    const double sp = std::sin(climb_angle.value);
-    const Eigen::Vector3d forward = ahead(course.value);
-    const Eigen::Vector3d right(forward.y(), -forward.x(), 0.0);
-    const Eigen::Vector3d above = -sp * forward + cp * Eigen::Vector3d::UnitZ();
-    return speed.rate * along(climb_angle.value, course.value) +
-           speed.value * (climb_angle.rate * above + cp * course.rate * right);
+    const Eigen::Vector3d ahead(direction.sine, direction.cosine, 0.0);
+    const Eigen::Vector3d right(ahead.y(), -ahead.x(), 0.0);
+    const Eigen::Vector3d along = climb.cosine * ahead + climb.sine * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d above = -climb.sine * ahead + climb.cosine * Eigen::Vector3d::UnitZ();
+    return speed.rate * along + speed.value * (climb_angle.rate * above + climb.cosine * course.rate * right);
 }
 
 }  // namespace truenorth::plant

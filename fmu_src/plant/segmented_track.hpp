@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 
+#include "inertial/sincos.hpp"
 #include "plant/transition.hpp"
 
 namespace truenorth::plant {
@@ -36,6 +37,7 @@ class SegmentedTrack {
 
     struct Point {
         Quantity speed, climb_angle, course;
+        SineCosine<double> climb, direction;  // of climb angle and course
 
         [[nodiscard]] Eigen::Vector3d velocity() const;      // east, north, up [m/s]
         [[nodiscard]] Eigen::Vector3d acceleration() const;  // its derivative [m/s2]

@@ -1,7 +1,5 @@
 #include "plant/ship.hpp"
 
-#include <cmath>
-
 #include "plant/transition.hpp"
 
 namespace truenorth::plant {
@@ -10,28 +8,27 @@ Kinematics Ship::at(double time) const {
     double course_now = course;
     double course_rate = 0.0;
     for (const auto& [angle, begin, duration] : turns) {
-        const Transition turn{.change = angle, .begin = begin, .duration = duration};
-        course_now += turn.value(time);
-        course_rate += turn.rate(time);
+        if (angle != 0.0) {
+            const Transition turn{.change = angle, .begin = begin, .duration = duration};
+            course_now += turn.value(time);
+            course_rate += turn.rate(time);
+        }
     }
-    const Eigen::Vector3d ahead(std::sin(course_now), std::cos(course_now), 0.0);
-    const Eigen::Vector3d starboard(std::cos(course_now), -std::sin(course_now), 0.0);
-    const auto [water_velocity, water_acceleration] = wave.at(time);
+    const auto [swaying, water] = plant::at(time, sway, wave);
+    const auto& [angle, angle_rate] = swaying;
 
-    const auto [angle, angle_rate] = sway.at(time);
-    const EulerAngles attitude{.roll = angle[0], .pitch = angle[1], .heading = course_now - angle[2]};
-    const EulerAngles attitude_rate{
-        .roll = angle_rate[0],
-        .pitch = angle_rate[1],
-        .heading = course_rate - angle_rate[2],
-    };
-    const Eigen::Matrix3d C_bn = dcm(attitude);
-
+    // Roll, pitch, heading, and the course of the track.
+    const auto [sine, cosine] = sincos(Eigen::Array4d(angle[0], angle[1], course_now - angle[2], course_now));
+    const Eigen::Vector3d ahead(sine[3], cosine[3], 0.0);
+    const Eigen::Vector3d starboard(cosine[3], -sine[3], 0.0);
+    const auto [C_bn, omega_nb_b] =
+        turning({.sine = sine.head<3>(), .cosine = cosine.head<3>()},
+                {.roll = angle_rate[0], .pitch = angle_rate[1], .heading = course_rate - angle_rate[2]});
     return {
-        .velocity = speed * ahead + water_velocity,
-        .acceleration = speed * course_rate * starboard + water_acceleration,
+        .velocity = speed * ahead + water.value,
+        .acceleration = speed * course_rate * starboard + water.rate,
         .C_bn = C_bn,
-        .omega_nb_b = body_rate(attitude, attitude_rate, C_bn),
+        .omega_nb_b = omega_nb_b,
     };
 }
 

@@ -22,25 +22,17 @@ constexpr std::array<Node, 3> kNodes{
     },
 };
 
-earth::Position moved(const earth::Position& start, const Eigen::Vector3d& travelled) {
-    return {
-        .latitude = start.latitude + travelled.x(),
-        .longitude = wrap_angle(start.longitude + travelled.y()),
-        .height = start.height + travelled.z(),
-    };
-}
-
-Trajectory::Rates rates(const earth::Position& position, const Kinematics& kinematics) {
+Trajectory::Rates rates(const earth::Place& place, const Kinematics& kinematics) {
     const Eigen::Vector3d& velocity = kinematics.velocity;
-    const Eigen::Vector3d omega_ie = earth::rate(position.latitude);
-    const Eigen::Vector3d omega_en = earth::transport_rate(position, velocity);
-    const Eigen::Vector3d gravity(0.0, 0.0, -earth::gravity(position.latitude, position.height));
+    const Eigen::Vector3d omega_ie = place.rate();
+    const Eigen::Vector3d omega_en = place.transport_rate(velocity);
+    const Eigen::Vector3d gravity(0.0, 0.0, -place.gravity());
     const Eigen::Vector3d f_n =
         kinematics.acceleration + (2.0 * omega_ie + omega_en).cross(velocity) - gravity;
     return {
         .omega_ib_b = kinematics.omega_nb_b + kinematics.C_bn.transpose() * (omega_ie + omega_en),
         .f_b = kinematics.C_bn.transpose() * f_n,
-        .position_rate = earth::position_rate(position, velocity),
+        .position_rate = place.position_rate(velocity),
     };
 }
 
@@ -53,7 +45,7 @@ Trajectory::State Trajectory::begin(double time) const {
         .start = start_,
         .travelled = Eigen::Vector3d::Zero(),
         .kinematics = kinematics,
-        .rates = rates(start_, kinematics),
+        .rates = rates(earth::Place(start_), kinematics),
     };
 }
 
@@ -69,8 +61,9 @@ Trajectory::Increments Trajectory::advance(State& state, double to) const {
         const double elapsed = node.at * duration;
         state.kinematics = at(motion_, state.time + elapsed);
         // The rates hardly depend on position: a first-order prediction, 0.1 mm off at 100 Hz, is ample.
-        state.rates =
-            rates(moved(state.start, state.travelled + elapsed * begin.position_rate), state.kinematics);
+        const Eigen::Vector3d travelled = state.travelled + elapsed * begin.position_rate;
+        const earth::Place place(state.start.latitude + travelled.x(), state.start.height + travelled.z());
+        state.rates = rates(place, state.kinematics);
         mean.omega_ib_b += node.weight * state.rates.omega_ib_b;
         mean.f_b += node.weight * state.rates.f_b;
         mean.position_rate += node.weight * state.rates.position_rate;
@@ -80,7 +73,13 @@ Trajectory::Increments Trajectory::advance(State& state, double to) const {
     return {.delta_angle = duration * mean.omega_ib_b, .delta_velocity = duration * mean.f_b};
 }
 
-earth::Position Trajectory::State::position() const { return moved(start, travelled); }
+earth::Position Trajectory::State::position() const {
+    return {
+        .latitude = start.latitude + travelled.x(),
+        .longitude = wrap_angle(start.longitude + travelled.y()),
+        .height = start.height + travelled.z(),
+    };
+}
 
 earth::Position displaced(const earth::Position& imu, const Kinematics& kinematics,
                           const Eigen::Vector3d& lever_arm) {

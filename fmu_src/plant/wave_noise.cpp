@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "inertial/sincos.hpp"
+
 namespace truenorth::plant {
 
 WaveNoise::WaveNoise(double sigma, double peak_period, double damping, double period, NoiseStream stream)
@@ -13,8 +15,9 @@ WaveNoise::WaveNoise(double sigma, double peak_period, double damping, double pe
     // Phi = exp(A dt), A dt = angle [0 1; -1 -2 damping] = -damping angle I + N with N^2 = -damped_angle^2 I.
     Eigen::Matrix2d N;
     N << damping * angle, angle, -angle, -damping * angle;
-    transition_ = std::exp(-damping * angle) * (std::cos(damped_angle) * Eigen::Matrix2d::Identity() +
-                                                (std::sin(damped_angle) / damped_angle) * N);
+    const auto [sine, cosine] = sincos(damped_angle);
+    transition_ =
+        std::exp(-damping * angle) * (cosine * Eigen::Matrix2d::Identity() + (sine / damped_angle) * N);
     // Stationary covariance sigma^2 I = Phi sigma^2 I Phi' + D D'. Short samples leave little of it, hence
     // max.
     const Eigen::Matrix2d added = Eigen::Matrix2d::Identity() - transition_ * transition_.transpose();

@@ -127,6 +127,29 @@ State expected_rate(Form form, const State& x, const Model::Interval& i) {
 constexpr std::array<Form, 4> kForms{Form::transposed, Form::computed_force, Form::vertical_force,
                                      Form::printed};
 
+// How many points there are, and beside which others one lies, makes no difference to the bit.
+TEST(LargeAzimuthPoints, MoveAsEachMovesAlone) {
+    Random random(11);
+    const Model model;
+    const Model::Interval interval = random.interval();
+    const State x = random.state();
+    Points<Model::kStates, 21> together = Points<Model::kStates, 21>::Zero();
+    for (int i = 1; i < 21; ++i) {
+        together.col(i) = 0.1 * random.state();
+    }
+    const Points<Model::kStates, 21> before = together;
+    State centre = x;
+    model.propagate(centre, together, interval);
+    for (int i = 0; i < 21; ++i) {
+        Points<Model::kStates, 2> alone = Points<Model::kStates, 2>::Zero();
+        alone.col(1) = before.col(i);
+        State moved = x;
+        model.propagate(moved, alone, interval);
+        EXPECT_EQ(moved, centre);
+        EXPECT_EQ(State(alone.col(1)), State(together.col(i))) << i;
+    }
+}
+
 TEST(LargeAzimuthRate, IsTheTranscriptionOfEveryForm) {
     for (const unsigned seed : {1U, 2024U}) {
         Random random(seed);

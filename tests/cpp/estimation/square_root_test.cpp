@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <limits>
 
 #include "estimation/random_covariance.hpp"
@@ -20,6 +21,34 @@ TEST(SquareRootOf, TimesItsTransposeIsTheCovariance) {
             EXPECT_LT(relative_difference(Matrix<10>(root.factor * root.factor.transpose()), P), 1e-14);
         }
     }
+}
+
+template <int N>
+void expect_the_root_of_eigen() {
+    RandomCovariance random(3);
+    for (int i = 0; i < 20; ++i) {
+        const Matrix<N> P = random.covariance<N>(1e-6, 1.0);
+        const Matrix<N> L = Eigen::LLT<Matrix<N>>(P).matrixL();
+        const auto found = cholesky<N>(P);
+        ASSERT_TRUE(found);
+        EXPECT_LT((*found - L).norm(), 1e-13 * L.norm());
+        EXPECT_TRUE(Matrix<N>(found->template triangularView<Eigen::StrictlyUpper>()).isZero(0.0));
+    }
+}
+
+TEST(Cholesky, FindsTheLowerTriangleThatEigenFinds) {
+    expect_the_root_of_eigen<1>();
+    expect_the_root_of_eigen<6>();
+    expect_the_root_of_eigen<9>();
+    expect_the_root_of_eigen<15>();
+}
+
+TEST(Cholesky, FindsNoneOfWhatIsNotPositiveDefinite) {
+    Matrix<2> indefinite = Matrix<2>::Ones();
+    indefinite(0, 1) = indefinite(1, 0) = 1.5;
+    EXPECT_FALSE(cholesky<2>(indefinite));
+    EXPECT_FALSE(cholesky<2>(Matrix<2>::Zero()));
+    EXPECT_FALSE(cholesky<2>(Matrix<2>::Constant(std::numeric_limits<double>::quiet_NaN())));
 }
 
 TEST(SquareRootOf, SetsNegativeEigenvaluesOfTheCorrelationToZero) {

@@ -50,6 +50,19 @@ TEST(Dcm, RollIsTheInnermostRotation) {
     EXPECT_NEAR((dcm({0.0, 0.4, 2.0}) * kRight).x(), std::cos(2.0), 1e-15);
 }
 
+TEST(Dcm, IsThatOfThreeRotationsOneAfterTheOther) {
+    std::mt19937 generator(5);
+    std::uniform_real_distribution<double> angle(-7.0, 7.0);
+    for (int i = 0; i < 200; ++i) {
+        const EulerAngles angles{
+            .roll = angle(generator), .pitch = angle(generator), .heading = angle(generator)};
+        const Quaterniond q = Eigen::AngleAxisd(-angles.heading, kUp) *
+                              Eigen::AngleAxisd(angles.pitch, kRight) *
+                              Eigen::AngleAxisd(angles.roll, kForward);
+        EXPECT_LT((dcm(angles) - q.toRotationMatrix()).norm(), 2e-15);
+    }
+}
+
 TEST(EulerAnglesOf, UndoDcm) {
     for (const unsigned seed : {1U, 20260U}) {
         std::mt19937 generator(seed);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace truenorth::plant {
 namespace {
@@ -71,6 +72,19 @@ TEST_P(NoiseStreamOfSeed, NeighbouringSamplesSourcesAndSeedsAreUncorrelated) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, NoiseStreamOfSeed, testing::Values(0U, 1U, 20111115U, 0x7FFFFFFFU));
+
+TEST_P(NoiseStreamOfSeed, NormalNumbersAreThoseOfBoxAndMuller) {
+    const NoiseStream stream(GetParam(), NoiseSource::gyro_white);
+    for (std::uint64_t k = 0; k < 20000; ++k) {
+        const Eigen::Vector4d u = stream.uniform(k);
+        const double radius_0 = std::sqrt(-2.0 * std::log(u[0]));
+        const double radius_1 = std::sqrt(-2.0 * std::log(u[2]));
+        const double turn = 2.0 * std::numbers::pi;
+        const Eigen::Vector3d expected(radius_0 * std::cos(turn * u[1]), radius_0 * std::sin(turn * u[1]),
+                                       radius_1 * std::cos(turn * u[3]));
+        ASSERT_LT((stream.normal(k) - expected).cwiseAbs().maxCoeff(), 4e-15) << k;
+    }
+}
 
 TEST(NoiseStream, DrawsBeyondThirtyTwoBitsDiffer) {
     const NoiseStream stream(1, NoiseSource::gyro_white);
