@@ -52,7 +52,7 @@ from sim_scenarios.catalogue import CAMPAIGNS, files, located_filters, scenario_
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
 from sim_scenarios.names import Label, Name, Text
-from sim_scenarios.scenario import FILTER, Scenario, Table, load_scenario
+from sim_scenarios.scenario import FILTER, MOTION, Scenario, Table, load_scenario
 from sim_scenarios.toml import dotted
 
 LARGEST_SEED: Final = 2**31 - 1
@@ -301,7 +301,10 @@ def _case(plan: Plan, source: str, label: str, own: NamedCase, point: Mapping[st
 
 
 def _check_drawn(draws: Sequence[Draw], scenario: Scenario, running: Container[str] | None) -> None:
-    """Refuse to draw for all filters what makes one of them what it is."""
+    """Refuse to draw for all filters what makes one of them what it is, and what has no effect."""
+    of_plant = [name for one in draws if one.part == "plant" for name in one.units]
+    if scenario.vehicle() is not None and (still := [n for n in of_plant if n.startswith(MOTION)]):
+        raise InputError(f"draw: {still[0]} has no effect: {scenario.name} has a vehicle of its own")
     scalars = [name for one in draws if one.part == "filter" for name in one.units]
     for label, entry in scenario.compare.items():
         if (running is None or label in running) and (own := [name for name in scalars if name in entry]):

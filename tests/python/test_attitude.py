@@ -4,8 +4,17 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
-from sim_scenarios.attitude import dcm, euler_angles, misalignment, misalignment_angles, skew, wrap
+from sim_scenarios.attitude import (
+    dcm,
+    euler_angles,
+    misalignment,
+    misalignment_angles,
+    right_jacobian,
+    skew,
+    wrap,
+)
 from sim_scenarios.units import DEGREE
 
 tilts = st.floats(-1.5, 1.5)
@@ -62,3 +71,13 @@ def test_wrap(angle: float) -> None:
 def test_skew_is_the_cross_product() -> None:
     a, b = np.random.default_rng(1).standard_normal((2, 5, 3))
     np.testing.assert_allclose((skew(a) @ b[..., None])[..., 0], np.cross(a, b), atol=1e-15)
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-7, 5e-4, 0.1, 3.0])
+def test_right_jacobian_makes_body_rates(size: float) -> None:
+    """Against differences of rotations."""
+    rotation, rate = size * np.array([0.6, -0.48, 0.64]), np.array([0.3, 0.5, -0.7])
+    step = 1e-6
+    before, after = (Rotation.from_rotvec(rotation + sign * step * rate) for sign in (-1, 1))
+    expected = (before.inv() * after).as_rotvec() / (2 * step)
+    np.testing.assert_allclose(right_jacobian(rotation) @ rate, expected, atol=1e-9)

@@ -94,6 +94,15 @@ def test_a_campaign_goes_through_it(folder: Path, fmus: Fmus) -> None:
     assert fingerprint(plan, cases(plan, fmus), {}) != before
 
 
+def test_nothing_is_drawn_in_vain(folder: Path, fmus: Fmus) -> None:
+    drawn = {"motion.speed": {"uniform": [1.0, 5.0]}}
+    plan = load_plan(folder / "way.toml", runs=2, draw=drawn)
+    with pytest.raises(InputError, match=r"draw: motion\.speed has no effect: way has a vehicle of its own"):
+        cases(plan, fmus)
+    [case] = cases(load_plan(folder / "way.toml", draw={"gnss.rate": {"uniform": [1.0, 5.0]}}), fmus)
+    assert len(case.draws) == 1
+
+
 def test_the_container_says_why_not(folder: Path, fmus: Fmus) -> None:
     scenario = load_scenario(folder / "way.toml", fmus)
     reason = why_no_container(scenario, fmus)
