@@ -63,15 +63,21 @@ def paired_ratio(values: ArrayLike, reference: ArrayLike) -> Estimate:
 
 
 def mean_of(values: ArrayLike) -> Estimate:
-    """Mean of a figure of independent runs that is never negative, with its interval."""
+    """Mean of a figure of independent runs with its interval: of its logarithm, if it is never negative."""
     r = np.asarray(values, dtype=float)
-    return _log_interval(float(np.mean(r)), r / np.mean(r)) if np.any(r) else UNKNOWN
+    if not np.any(r):
+        return UNKNOWN
+    mean = float(np.mean(r))
+    if np.all(r >= 0):
+        return _log_interval(mean, r / mean)
+    reach = _reach(r)
+    return Estimate(mean, mean - reach, mean + reach)
 
 
 def ratio_of_means(values: ArrayLike, reference: ArrayLike) -> Estimate:
-    """Ratio of the means of such a figure of two filters over the same runs, with its interval."""
+    """Ratio of the means of a figure of two filters over the same runs, with its interval; never negative."""
     a, b = np.asarray(values, dtype=float), np.asarray(reference, dtype=float)
-    if not (np.any(a) and np.any(b)):
+    if not (np.any(a) and np.any(b) and np.all(a >= 0) and np.all(b >= 0)):
         return UNKNOWN
     return _log_interval(float(np.mean(a) / np.mean(b)), a / np.mean(a) - b / np.mean(b))
 
@@ -178,12 +184,17 @@ def _influence(r: Array) -> Array:
 
 
 def _log_interval(value: float, influence: Array) -> Estimate:
-    count = len(influence)
+    factor = float(np.exp(_reach(influence)))
+    return Estimate(value, value / factor, value * factor)
+
+
+def _reach(values: Array) -> float:
+    """Half the interval of the mean of independent values, by Student's t; NaN of a single one."""
+    count = len(values)
     if count < 2:
-        return Estimate(value, np.nan, np.nan)
-    error = np.std(influence, ddof=1) / np.sqrt(count)
-    reach = float(np.exp(stdtrit(count - 1, (1 + CONFIDENCE) / 2) * error))
-    return Estimate(value, value / reach, value * reach)
+        return np.nan
+    error = np.std(values, ddof=1) / np.sqrt(count)
+    return float(stdtrit(count - 1, (1 + CONFIDENCE) / 2) * error)
 
 
 def _clopper_pearson(events: float, count: float) -> Estimate:

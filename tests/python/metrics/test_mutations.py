@@ -44,7 +44,7 @@ MISTAKES = [
         "alignment",
     ),
     ("figures/shipped", "recording.under_way(run))", "run)", "hand_over_verdict"),
-    ("folds", "np.std(influence, ddof=1)", "np.std(influence, ddof=0)", "folds"),
+    ("folds", "np.std(values, ddof=1)", "np.std(values, ddof=0)", "folds"),
     ("folds", "ddof=1) / runs", "ddof=0) / runs", "folds"),
     ("folds", "return r**2 / (2 * square)", "return r**2 / square", "folds"),
     ("folds", "_influence(a) - _influence(b)", "_influence(a)", "folds"),

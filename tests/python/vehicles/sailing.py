@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from sim_scenarios.connection import TRUTH, driver, start_plant
 from sim_scenarios.cosimulation import Columns, FmuSource, Table
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.instance import Port
 from sim_scenarios.scenario import Scenario, load_scenario
-from sim_scenarios.simulation import TRUTH, driver, start_plant
 from sim_scenarios.units import DEGREE
 
 Array = NDArray[np.float64]

@@ -16,10 +16,10 @@ from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.campaigns.store import State
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.provenance import attributes
 from sim_scenarios.report import report_run
 from sim_scenarios.runner import why_no_container
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.simulation import attributes
 from sim_scenarios.stepping import Master
 
 HEAD = """
