@@ -1,8 +1,8 @@
 """What a component is compiled from, found by following the includes.
 
-A header whose code stands in a file beside it (`earth.hpp`, `earth.cpp`) brings that file with it, and a header
-`loose.hpp` what is instantiated for it (`instances/loose_*.cpp` of any folder). Conditions around an include are not
-looked at: other platforms take other branches.
+A header whose code stands in a file beside it (`earth.hpp`, `earth.cpp`) brings that file with it, and a
+header `loose.hpp` what is instantiated for it (`instances/loose_*.cpp` of any folder). Conditions around an
+include are not looked at: other platforms take other branches.
 """
 
 from __future__ import annotations

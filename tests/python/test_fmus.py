@@ -139,7 +139,8 @@ def test_arrays_elements_and_lists(fmus: Fmus) -> None:
         (
             "motion.kind",
             "shp",
-            "motion.kind: 'shp' is none of ship, parked_vehicle, flight, external, road_vehicle; did you mean 'ship'",
+            "motion.kind: 'shp' is none of ship, parked_vehicle, flight, external, road_vehicle; "
+            "did you mean 'ship'",
         ),
     ],
 )
