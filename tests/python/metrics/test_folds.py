@@ -198,6 +198,14 @@ def test_every_fold_of_four_runs_in_closed_form() -> None:
     assert MEAN.estimate([0.0, 0.0]).value == 0.0
 
 
+def test_a_mean_of_what_may_be_negative_has_the_interval_of_student() -> None:
+    values = [-1.0, 2.0, 4.0, 0.5]
+    own = mean_of(values)
+    exact = stats.t.interval(0.95, 3, loc=np.mean(values), scale=stats.sem(values))
+    assert (own.lower, own.upper) == pytest.approx(exact)
+    assert np.isnan(ratio_of_means(values, [1.0] * 4).value)
+
+
 def test_a_share_has_the_interval_of_clopper_and_pearson() -> None:
     exact = stats.binomtest(3, 20).proportion_ci(0.95, "exact")
     own = SHARE.estimate([1.0] * 3 + [0.0] * 17)
