@@ -53,12 +53,13 @@ const SegmentedTrack::Leg& SegmentedTrack::leg(double time) const {
 
 SegmentedTrack::Point SegmentedTrack::at(double time) const {
     const auto& [begin, from, speed, climb_angle, course] = leg(time);
-    Point point{.speed = changing(from.speed, speed, time),
-                .climb_angle = changing(from.climb_angle, climb_angle, time),
-                .course = changing(from.course, course, time)};
-    point.climb = sincos(point.climb_angle.value);
-    point.direction = sincos(point.course.value);
-    return point;
+    const Quantity slope = changing(from.climb_angle, climb_angle, time);
+    const Quantity heading = changing(from.course, course, time);
+    return {.speed = changing(from.speed, speed, time),
+            .climb_angle = slope,
+            .course = heading,
+            .climb = sincos(slope.value),
+            .direction = sincos(heading.value)};
 }
 
 Eigen::Vector3d SegmentedTrack::Point::velocity() const {
