@@ -13,6 +13,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[3]
+# Of the folder that it runs in, and not of an installation that leads to the checkout.
+RUN = """
+import sys
+sys.meta_path = [finder for finder in sys.meta_path if "ScikitBuild" not in type(finder).__name__]
+import pytest
+sys.exit(pytest.main(sys.argv[1:]))
+"""
 TOPICS = ("alignment", "certainty", "figures", "folds", "hand_over_verdict", "statistics")
 MISTAKES = [
     # file, what stands there, the mistake, topic
@@ -74,7 +81,7 @@ def passes(folder: Path, topics: tuple[str, ...]) -> bool:
     """Whether the copy passes the tests of some topics."""
     tests = [str(Path(__file__).with_name(f"test_{topic}.py")) for topic in topics]
     options = ["-x", "-q", "-n", "0", "-p", "no:cacheprovider", "-c", str(ROOT / "pyproject.toml")]
-    command = [sys.executable, "-B", "-m", "pytest", *options, "--rootdir", str(ROOT), *tests]
+    command = [sys.executable, "-B", "-c", RUN, *options, "--rootdir", str(ROOT), *tests]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode in (0, 1), done.stdout + done.stderr  # tests ran, and passed or failed
     return done.returncode == 0
