@@ -215,6 +215,7 @@ CHECKS = (
         ],
         runs=20,
     ),
+    Check("car_odometer", [Band("with all of them", 0, 0.1, "horizontal_at_end", over="without")], runs=20),
     Check("gnss_outage_turn", navigation("UKF", (36, 23), figures=["horizontal_at_end"]), runs=20),
     Check("gnss_outage_turn_tight", navigation("UKF", (2.98, 1.6), figures=["horizontal_at_end"]), runs=20),
     Check(

@@ -41,6 +41,7 @@ SHIPPED = {
     "flight_tight_outliers",
     "dvl_alignment",
     "compass_start",
+    "car_odometer",
 }
 
 
