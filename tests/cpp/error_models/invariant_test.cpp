@@ -634,7 +634,7 @@ Outcome from_nothing(double accelerometer_sigma) {
     return outcome;
 }
 
-// 1 mg and 20 mg, which as plain differences of biases have a NEES beyond 10.
+// 1 mg and 20 mg.
 TEST(InvariantFilter, CovarianceIsThatOfTheErrorsWhenNoAttitudeIsKnown) {
     for (const double bias : {9.8e-3, 0.196}) {
         const Outcome outcome = from_nothing(bias);
