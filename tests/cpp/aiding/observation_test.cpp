@@ -1,5 +1,7 @@
 // The sensitivity of what the aids observe is its derivative with respect to the errors of a navigation
 // state, as error_models/navigation_error.hpp has them.
+#include "aiding/observation.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +11,6 @@
 #include "aiding/heading.hpp"
 #include "aiding/height.hpp"
 #include "aiding/nonholonomic.hpp"
-#include "aiding/observation.hpp"
 #include "aiding/standstill.hpp"
 #include "error_models/central_difference.hpp"
 #include "error_models/navigation_error.hpp"
@@ -97,7 +98,7 @@ TEST(Observation, WheelsRollForwardWhateverTheIMUDoes) {
     const Vector3d omega(0.0, 0.0, -0.3);
     const Vector3d axle(0.4, -2.0, -0.5);
     const Vector3d imu = Vector3d(0.0, 8.0, 0.0) - omega.cross(axle);
-    const Moment truth{.state = {.q_bn = Eigen::Quaterniond(C_bn), .velocity = C_bn * imu},
+    const Moment truth{.state = {.q_bn = Eigen::Quaterniond(C_bn), .velocity = C_bn * imu, .position = {}},
                        .omega_eb_b = omega};
     const Vector3d difference = nonholonomic(truth, axle).difference;
     EXPECT_NEAR(difference.x(), 0.0, 1e-12);

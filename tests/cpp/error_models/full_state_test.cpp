@@ -55,7 +55,8 @@ TEST(FullStatePropagate, IsTheDifferenceOfTwoMechanisations) {
         EXPECT_EQ(x.q_bn.coeffs(), truth.state.q_bn.coeffs());
         EXPECT_EQ(x.velocity, truth.state.velocity);
         EXPECT_EQ(x.position.latitude, truth.state.position.latitude);
-        EXPECT_LT(deviations.col(0).norm(), 1e-12);  // rounding of 500 steps
+        EXPECT_LT(deviations.col(0).head<6>().norm(), 1e-12);  // rounding of 500 steps
+        EXPECT_LT(deviations.col(0).tail<3>().norm(), 1e-8);   // the last bit of a latitude is 7e-10 m
         const Deviation difference = local(truth.state, computed.state) - deviations.col(1);
         // All points share the acceleration that carries the velocity to the middle of the step: it is wrong
         // by g phi dt / 2, which turns the frame by that over the radius and bends the path at twice the

@@ -20,7 +20,7 @@ const Vector3d kForward = Vector3d::UnitY();
 const Vector3d kUp = Vector3d::UnitZ();
 
 TEST(Dcm, OfZeroAnglesPointsForwardNorthAndRightEast) {
-    EXPECT_LT((dcm({}) - Matrix3d::Identity()).norm(), 1e-16);
+    EXPECT_LT((dcm(EulerAngles{}) - Matrix3d::Identity()).norm(), 1e-16);
 }
 
 TEST(Dcm, HeadingIsClockwiseFromNorth) {
