@@ -100,7 +100,8 @@ TEST(AlignmentFilterBadData, OfOneSampleIsBridged) {
     }
     EXPECT_EQ(disturbed.filter.outputs.rejected_samples, 1);
     EXPECT_EQ(disturbed.filter.outputs.missed_samples, 0);
-    EXPECT_NEAR(disturbed.filter.outputs.nav.heading, clean.filter.outputs.nav.heading, 1e-9);
+    // What was made up is doubted, and weighs a little.
+    EXPECT_NEAR(disturbed.filter.outputs.nav.heading, clean.filter.outputs.nav.heading, 1e-7);
     EXPECT_LT((disturbed.filter.outputs.nav.velocity - clean.filter.outputs.nav.velocity).norm(), 1e-7);
 }
 

@@ -42,7 +42,7 @@ TYPED_TEST(NavigationErrors, AreWhatACorrectionMovesTheBestStateBy) {
         EXPECT_LT((moved.template tail<3>() - expected.template segment<3>(aiding::kPosition)).norm(), 1e-7);
         if (!std::is_same_v<TypeParam, NavigationEngine<Tight>>) {  // its process is no part of gyro_bias
             EXPECT_LT((engine.gyro_bias() - gyro_before - expected.template segment<3>(aiding::kGyro)).norm(),
-                      1e-12);
+                      3e-12);  // second order: the group turns what it moves
         }
     }
 }
