@@ -86,14 +86,16 @@ Eigen::Matrix3d Invariant<coloured>::body_to_navigation(const State& x) {
 
 template <bool coloured>
 ExtendedPose Invariant<coloured>::felt(const State& x, const Interval& interval) const {
-    Vector<6> error = x.sensors.template head<6>();
     if constexpr (coloured) {
         const double T = interval.duration;
+        Vector<6> error = x.sensors.template head<6>();
         error.head<3>() += mean_of_decay(T, noise.gyro.correlation_time) * x.sensors.template segment<3>(6);
         error.tail<3>() +=
             mean_of_decay(T, noise.accelerometer.correlation_time) * x.sensors.template tail<3>();
+        return interval.corrected(error);
+    } else {
+        return interval.corrected(x.sensors);
     }
-    return interval.corrected(error);
 }
 
 template <bool coloured>

@@ -24,7 +24,9 @@ struct Oscillation {
 inline std::array<Oscillation::Instant, 2> at(double time, const Oscillation& first,
                                               const Oscillation& second) {
     using Six = Eigen::Array<double, 6, 1>;
-    Six amplitude, frequency, phase;
+    Six amplitude;
+    Six frequency;
+    Six phase;
     amplitude << first.amplitude, second.amplitude;
     frequency << first.frequency, second.frequency;
     phase << first.phase, second.phase;

@@ -37,7 +37,8 @@ class SegmentedTrack {
 
     struct Point {
         Quantity speed, climb_angle, course;
-        SineCosine<double> climb, direction;  // of climb angle and course
+        SineCosine<double> climb{};      // of the climb angle
+        SineCosine<double> direction{};  // of the course
 
         [[nodiscard]] Eigen::Vector3d velocity() const;      // east, north, up [m/s]
         [[nodiscard]] Eigen::Vector3d acceleration() const;  // its derivative [m/s2]
