@@ -1,6 +1,7 @@
 #include "filter/standstill.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include "contract/time_tolerance.hpp"
 
@@ -26,7 +27,7 @@ void Standstill::add(const ImuIncrement& increment, const Signals& standing) {
     const bool quiet =
         window_.samples >= kFewest && (window_.scatter <= kMargin * kMargin * (n - 1.0) * variance).all();
     sigma_ = (variance / n).sqrt();
-    steady_ = quiet && was_quiet_ && ((mean - mean_).abs() <= kSteady * std::sqrt(2.0) * sigma_).all();
+    steady_ = quiet && was_quiet_ && ((mean - mean_).abs() <= kSteady * std::numbers::sqrt2 * sigma_).all();
     mean_ = mean;
     was_quiet_ = quiet;
     window_ = {};
