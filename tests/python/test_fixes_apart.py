@@ -26,9 +26,10 @@ SCENARIOS: Final[dict[str, dict[str, object]]] = {
         "coarse.enabled": False,
     },
 }
-ALIKE: Final = {LOOSE: (1e-6, 1e-4), INVARIANT: (1e-3, 1.5e-3)}
-"""Differences of heading [rad] and velocity [m/s]. The invariant model takes the place of a fix for its
-velocity in inertial space: noise of 5 m is up to w_ie x 20 m there, unless the place is not measured."""
+ALIKE: Final = {LOOSE: (1e-6, 1e-4, 1e-6), INVARIANT: (1e-3, 1.5e-3, 1e-5)}
+"""Differences of heading [rad], velocity [m/s] and the heading's sigma [rad]. The invariant model takes the
+place of a fix for its velocity in inertial space: noise of 5 m is up to w_ie x 20 m there, unless the place
+is not measured. Its covariance depends on the biases that it has found, and so on these."""
 
 
 def run(scenario: str, fmus: Fmus, **settings: object) -> xr.Dataset:
@@ -56,9 +57,9 @@ def test_what_is_not_measured_is_as_good_as_what_is_measured_without_any_accurac
     without = run(scenario, fmus, **{"gate.enabled": False}, **absent)
     worthless = run(scenario, fmus, **{"gate.enabled": False}, **blind)
     assert int(without["used_fixes"][-1]) == 200
-    heading, velocity = ALIKE[scenario]
+    heading, velocity, sigma = ALIKE[scenario]
     assert largest(without, worthless, "heading_error") < heading
-    assert largest(without, worthless, "heading_sigma") < 1e-6
+    assert largest(without, worthless, "heading_sigma") < sigma
     assert largest(without, worthless, "velocity_error") < velocity
     assert largest(without, worthless, "velocity_sigma") < 1e-5
 
