@@ -34,6 +34,7 @@ concept ErrorModel = requires(const M& model, typename M::State& state, const ty
 // A model may offer besides, where its structure spares work:
 //
 //   moved(x, interval)         the state x at the end of the interval
+//   local(x, y)                the deviation that makes y of x, for a bank of filters (gaussian_sum.hpp)
 //   carried_covariance(P, F, interval)  F P F^T + process_noise, with its transition F
 //
 template <ErrorModel M>

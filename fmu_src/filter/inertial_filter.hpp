@@ -131,7 +131,7 @@ class InertialFilter {
     void correct(E& engine, const Port& port, const GnssFix& fix, const GnssFix::Mask& measured,
                  const AntennaState& then);
     template <class E, class Fix>
-    void correct_coarsely(E& engine, const Fix& fix);  // of position and velocity
+    void correct_coarsely(E& engine, const Fix& fix, const Port& port);  // of position and velocity
     void turn(const Eigen::Matrix3d& rotation);
     void follow(const Change& change);
     template <class E, class Residual>

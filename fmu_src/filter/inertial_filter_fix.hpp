@@ -173,7 +173,7 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         if constexpr (requires { engine.apply_coarsely(model_fix); }) {
             if (engine.is_coarse()) {
                 if (measured.all()) {
-                    correct_coarsely(engine, model_fix);
+                    correct_coarsely(engine, model_fix, port);
                 } else {
                     reject_fix(Refusal::incomplete, port);
                 }
@@ -236,11 +236,17 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
 
 template <class Interface, class... Engines>
 template <class E, class Fix>
-void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fix& fix) {
+void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fix& fix, const Port& port) {
     if (!engine.awaits_fix()) {
         return;
     }
-    const Change change = engine.apply_coarsely(fix);
+    const bool weighed = engine.weighs_headings();
+    const std::optional<Change> taken = engine.apply_coarsely(fix);
+    if (!taken) {
+        reject_fix(Refusal::beyond_gate, port);
+        return;
+    }
+    const Change& change = *taken;
     if (!change.finite) {
         fault("the coarse alignment is not finite");
         return;
@@ -252,6 +258,11 @@ void InertialFilter<Interface, Engines...>::correct_coarsely(E& engine, const Fi
     history_.shift(change.velocity, change.displacement);
     if (!engine.is_coarse()) {
         open_ledger(engine);
+    }
+    if (engine.weighs_headings() && !weighed && log_->listens()) {
+        log_->event(text("the heading cannot be told yet at ", imu_.time(), " s (sigma ",
+                         std::round(engine.misalignment_sigma().z() * 180.0 / std::numbers::pi),
+                         " deg): the coarse stage goes on with a filter for every heading"));
     }
     if (!engine.is_coarse() && log_->listens()) {
         log_->event(

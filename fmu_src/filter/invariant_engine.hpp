@@ -5,11 +5,19 @@
 // that the vectors tell; at its end the filter takes all fixes of the stage again, linearised at what was
 // found, with an attitude of which nothing is known as prior. The vectors know no biases and are tilted by
 // them: the filter does so until the attitude and the biases that it finds are those at which it linearised.
+//
+// Where gyros are too coarse for the rate of the Earth, that leaves a heading too wide to linearise at (at
+// rest it may stay so for ever). Then the stage goes on with a bank of filters, one for every few degrees of
+// heading, until they agree.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
 
+#include "estimation/gaussian_sum.hpp"
 #include "filter/coarse_stage.hpp"
 #include "filter/engine.hpp"
 #include "filter/invariant_adapter.hpp"
@@ -69,11 +77,15 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
     Change apply(const Correction<Base::kStates, Base::kMeasurements>& correction,
                  const Appended* constants = nullptr);
 
-    [[nodiscard]] bool is_coarse() const { return coarse_.active(); }
+    [[nodiscard]] bool is_coarse() const { return coarse_.active() || bank_.active(); }
 
-    // In the coarse stage: whether the next fix is wanted, and such a fix, which may end the stage.
-    [[nodiscard]] bool awaits_fix() const { return coarse_.awaits_fix(); }
-    Change apply_coarsely(const typename M::Fix& fix);
+    // In the coarse stage: whether a bank of headings is weighed.
+    [[nodiscard]] bool weighs_headings() const { return bank_.active(); }
+
+    // Likewise: whether the next fix is wanted, and such a fix, which may end the stage.
+    [[nodiscard]] bool awaits_fix() const { return bank_.active() || coarse_.awaits_fix(); }
+    // None if the fix is gross.
+    std::optional<Change> apply_coarsely(const typename M::Fix& fix);
 
     [[nodiscard]] const NavigationState& best() const { return mechanisation_.state; }
 
@@ -94,7 +106,8 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
     template <class Archive>
     void serialize(Archive& archive) {
         Base::serialize(archive);
-        archive(ahead_, previous_, to_navigation_, covariance_, coarse_);
+        archive(ahead_, previous_, to_navigation_, covariance_, coarse_, bank_, known_, since_motion_,
+                refused_);
     }
 
   private:
@@ -107,19 +120,80 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
         const Covariance& prior, const Innovation<Base::kStates, Base::kMeasurements>& innovation);
 
     // A covariance of the errors of the navigation state, as one of the model's states.
-    [[nodiscard]] Covariance in_states(const Covariance& covariance) const;
+    [[nodiscard]] static Covariance in_states(const typename M::State& state, const Covariance& covariance);
+    [[nodiscard]] Covariance in_states(const Covariance& covariance) const {
+        return in_states(estimator.state, covariance);
+    }
 
-    // Position and velocity of a fix, with an attitude of which nothing is known.
-    void place(const Eigen::Quaterniond& attitude, const typename M::Fix& fix);
+    // The pose at a fix.
+    [[nodiscard]] static ExtendedPose placed(const Eigen::Quaterniond& attitude, const typename M::Fix& fix) {
+        return {.attitude = attitude,
+                .velocity = fix.velocity - attitude * fix.velocity_arm,
+                .position = fix.position - attitude * fix.position_arm};
+    }
+
+    // Position and velocity of a fix, with an attitude of which nothing is known but the heading, to a sigma
+    // [rad].
+    void place(const Eigen::Quaterniond& attitude, const typename M::Fix& fix,
+               double heading_sigma = kUnknownAngle);
 
     // Covariance of the attitude that the vectors tell: what the fixes scatter, and what biases do that no
     // scatter shows. An accelerometer bias passes for a tilt, an east gyro bias for a heading, and the errors
     // go with these. Gauss-Markov processes count as biases, although scatter shows a part of them.
     void misalign(const Eigen::Matrix3d& C_bn, const Eigen::Matrix3d& scatter);
 
+    using Sensors = Vector<M::kSensors>;
+
+    // Where a filter that takes the coarse stage again is linearised: the attitude at the first fix, and the
+    // biases.
+    struct Linearisation {
+        Eigen::Quaterniond attitude;
+        Vector<6> biases;
+    };
+
+    // Ends the collecting of fixes.
+    void conclude(const Eigen::Quaterniond& at_first_fix);
+
     // Filters the coarse stage, from the first fix to the last: linearised at an attitude at the first fix,
-    // then at the attitude and the biases that came of it, until these stand.
-    void take_again(const Eigen::Quaterniond& at_first_fix);
+    // then at the attitude and the biases that came of it, until these stand. Returns where. `known` is what
+    // is known of the sensors beforehand.
+    Linearisation take_again(const Eigen::Quaterniond& at_first_fix, const Sensors& known);
+
+    // Once, with a prior heading sigma [rad]: returns the logarithm of the likelihood of all fixes.
+    double take_again(const Linearisation& at, const Sensors& known, double heading_sigma);
+
+    // A filter for every heading, about the vertical at the first fix.
+    void spread(const Linearisation& at, const Sensors& known);
+
+    // A fix for the bank, which none of it may have foretold.
+    std::optional<Change> weigh(const typename M::Fix& fix);
+
+    // Of the sensors' errors, but for a constant.
+    [[nodiscard]] double log_prior(const typename M::State& state, const Sensors& known) const;
+
+    // The velocity changes over an interval by more than noise, tilt and biases make it seem to. A heading
+    // shows in nothing else but the rate of the Earth, which stands in the priors of the sensors' errors.
+    [[nodiscard]] bool moves(const typename M::State& x, const Preintegration& interval) const;
+
+    // Likewise the antenna, against the IMU.
+    [[nodiscard]] bool swings(const typename M::State& x, const typename M::Fix& fix) const;
+
+    // Either, anywhere in the coarse stage.
+    [[nodiscard]] bool moved(const Linearisation& at, const Sensors& known) const;
+
+    // State and covariance are those of the bank.
+    void take_moments();
+
+    [[nodiscard]] double heading_sigma() const { return std::sqrt(covariance_(2, 2)); }
+
+    // Beyond it a heading is too wide to linearise at [rad].
+    static constexpr double kWide = 0.17;
+
+    // A motion of so many sigmas is none of noise.
+    static constexpr double kSigmas = 5.0;
+
+    // So long after a motion fixes still tell of it [s].
+    static constexpr double kSettled = 10.0;
 
     // What follows from the covariance.
     void refresh();
@@ -132,6 +206,10 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
     Eigen::Matrix3d to_navigation_ = Eigen::Matrix3d::Identity();  // body to local level, of the state
     Covariance covariance_ = Covariance::Zero();                   // of the errors of the navigation state
     CoarseStage<M> coarse_;
+    GaussianSum<M> bank_;
+    Sensors known_ = Sensors::Zero();  // of the sensors' errors, before the bank
+    double since_motion_ = 0.0;        // [s]
+    int refused_ = 0;                  // fixes in a row that none of the bank had foretold
 };
 
 template <bool coloured>
@@ -143,6 +221,8 @@ void InvariantEngine<coloured>::start(const Start& start) {
     previous_ = {};
     know(estimator.covariance);
     coarse_.reserve();
+    bank_.reserve();
+    bank_.clear();
     if (begins_coarsely) {
         coarse_.begin();
     } else {
@@ -153,6 +233,7 @@ void InvariantEngine<coloured>::start(const Start& start) {
 template <bool coloured>
 void InvariantEngine<coloured>::forget(bool has_fixes) {
     know(this->sigma_at_start().cwiseAbs2().asDiagonal());
+    bank_.clear();
     if (resumes_coarsely && has_fixes) {
         coarse_.begin();
     }
@@ -167,6 +248,7 @@ Change InvariantEngine<coloured>::start_again(const Change& proposal, const Eige
     estimator.state.sensors.template head<6>() << this->gyro_bias_, this->accelerometer_bias_;
     Base::forget(attitude_sigma);
     know(Covariance(estimator.covariance));
+    bank_.clear();
     if (resumes_coarsely && has_fixes) {
         coarse_.begin();
     }
@@ -176,8 +258,11 @@ Change InvariantEngine<coloured>::start_again(const Change& proposal, const Eige
 template <bool coloured>
 void InvariantEngine<coloured>::add_uncertainty(const Uncertainty& more) {
     estimator.covariance += in_states(this->states_of(more));
-    if (is_coarse()) {
+    if (coarse_.active()) {
         coarse_.doubt(more);
+    }
+    for (auto& member : bank_.members()) {
+        member.covariance += in_states(member.state, this->states_of(more));
     }
     refresh();
 }
@@ -195,8 +280,12 @@ Prediction InvariantEngine<coloured>::mechanise(const ImuIncrement& increment) {
 
 template <bool coloured>
 Prediction InvariantEngine<coloured>::predict() {
+    if (bank_.active()) {
+        since_motion_ = moves(estimator.state, ahead_) ? 0.0 : since_motion_ + ahead_.duration;
+        bank_.predict(estimator.model, ahead_);
+    }
     const Prediction prediction = estimator.predict(ahead_);
-    if (is_coarse()) {
+    if (coarse_.active()) {
         coarse_.extend(ahead_);
     }
     ahead_ = {};
@@ -214,7 +303,10 @@ Change InvariantEngine<coloured>::apply(const Correction<Base::kStates, Base::kM
 }
 
 template <bool coloured>
-Change InvariantEngine<coloured>::apply_coarsely(const typename M::Fix& fix) {
+std::optional<Change> InvariantEngine<coloured>::apply_coarsely(const typename M::Fix& fix) {
+    if (bank_.active()) {
+        return weigh(fix);
+    }
     coarse_.add(fix);
     const auto solution = coarse_.solve();
     if (!solution) {
@@ -226,7 +318,7 @@ Change InvariantEngine<coloured>::apply_coarsely(const typename M::Fix& fix) {
     const Eigen::Matrix3d scatter = fix.C_en * solution->covariance * fix.C_en.transpose();
     misalign(C_bn, C_bn.transpose() * scatter * C_bn);
     if (coarse_.done(std::sqrt(scatter(2, 2)), coarse_heading_sigma)) {
-        take_again(solution->at_first_fix);
+        conclude(solution->at_first_fix);
     }
     return follow();
 }
@@ -264,8 +356,9 @@ void InvariantEngine<coloured>::know(const Covariance& covariance) {
 }
 
 template <bool coloured>
-auto InvariantEngine<coloured>::in_states(const Covariance& covariance) const -> Covariance {
-    return transformed<Base::kStates>(M::navigation_errors(estimator.state).transpose(), covariance);
+auto InvariantEngine<coloured>::in_states(const typename M::State& state, const Covariance& covariance)
+    -> Covariance {
+    return transformed<Base::kStates>(M::navigation_errors(state).transpose(), covariance);
 }
 
 template <bool coloured>
@@ -285,14 +378,15 @@ auto InvariantEngine<coloured>::corrected(const Covariance& prior,
 }
 
 template <bool coloured>
-void InvariantEngine<coloured>::place(const Eigen::Quaterniond& attitude, const typename M::Fix& fix) {
-    estimator.state.pose = {.attitude = attitude,
-                            .velocity = fix.velocity - attitude * fix.velocity_arm,
-                            .position = fix.position - attitude * fix.position_arm};
+void InvariantEngine<coloured>::place(const Eigen::Quaterniond& attitude, const typename M::Fix& fix,
+                                      double heading_sigma) {
+    estimator.state.pose = placed(attitude, fix);
     Vector<Base::kStates> sigma = this->sigma_at_start();
     sigma.template segment<3>(M::kRotation).setConstant(kUnknownAngle);
     sigma.template segment<3>(M::kVelocity) = estimator.model.velocity_sigma(fix);
     sigma.template segment<3>(M::kPosition) = estimator.model.position_sigma(fix);
+    // Of the errors of the navigation state, whose third is about the vertical.
+    sigma(M::kRotation + 2) = heading_sigma;
     know(sigma.cwiseAbs2().asDiagonal());
 }
 
@@ -319,32 +413,144 @@ void InvariantEngine<coloured>::misalign(const Eigen::Matrix3d& C_bn, const Eige
 }
 
 template <bool coloured>
-void InvariantEngine<coloured>::take_again(const Eigen::Quaterniond& at_first_fix) {
-    constexpr int kPasses = 5;
-    constexpr double kStands = 0.01;  // [rad]
-    const Vector<M::kSensors> known = estimator.state.sensors;
-    Eigen::Quaterniond attitude = at_first_fix;
-    Vector<6> biases = known.template head<6>();
-    double moved = kUnknownAngle;
-    for (int pass = 0; pass < kPasses && moved > kStands; ++pass) {
-        estimator.state.sensors = known;
-        estimator.state.sensors.template head<6>() = biases;
-        place(attitude, coarse_.first_fix());
-        // Wherever the trajectory has the biases, what is known of them beforehand stays what it was.
-        Vector<Base::kStates> prior = Vector<Base::kStates>::Zero();
-        prior.template tail<M::kSensors>() = known - estimator.state.sensors;
-        this->corrector.restart();
-        filter_along_trajectory(
-            estimator.model, estimator.state, estimator.covariance, prior, coarse_.after_first_fix(),
-            [this](const auto& P, const auto& innovation) { return this->corrected(P, innovation); });
-        biases = estimator.state.sensors.template head<6>();
-        const Eigen::Quaterniond found = coarse_.at_first_fix(estimator.state.pose.attitude, biases);
-        moved = attitude.angularDistance(found);
-        attitude = found;
+void InvariantEngine<coloured>::conclude(const Eigen::Quaterniond& at_first_fix) {
+    const Sensors known = estimator.state.sensors;
+    const Linearisation found = take_again(at_first_fix, known);
+    refresh();
+    if (heading_sigma() > kWide) {
+        spread(found, known);
+        take_moments();
     }
     const Uncertainty doubted = coarse_.doubted();
     coarse_.end();
     add_uncertainty(doubted);
+}
+
+template <bool coloured>
+auto InvariantEngine<coloured>::take_again(const Eigen::Quaterniond& at_first_fix, const Sensors& known)
+    -> Linearisation {
+    constexpr int kPasses = 5;
+    constexpr double kStands = 0.01;  // [rad]
+    Linearisation at{.attitude = at_first_fix, .biases = known.template head<6>()};
+    double moved = kUnknownAngle;
+    for (int pass = 0; pass < kPasses && moved > kStands; ++pass) {
+        take_again(at, known, kUnknownAngle);
+        at.biases = estimator.state.sensors.template head<6>();
+        const Eigen::Quaterniond found = coarse_.at_first_fix(estimator.state.pose.attitude, at.biases);
+        moved = at.attitude.angularDistance(found);
+        at.attitude = found;
+    }
+    return at;
+}
+
+template <bool coloured>
+double InvariantEngine<coloured>::take_again(const Linearisation& at, const Sensors& known,
+                                             double heading_sigma) {
+    estimator.state.sensors = known;
+    estimator.state.sensors.template head<6>() = at.biases;
+    place(at.attitude, coarse_.first_fix(), heading_sigma);
+    // Wherever the trajectory has the biases, what is known of them beforehand stays what it was.
+    Vector<Base::kStates> prior = Vector<Base::kStates>::Zero();
+    prior.template tail<M::kSensors>() = known - estimator.state.sensors;
+    this->corrector.restart();
+    double likelihood = 0.0;
+    filter_along_trajectory(estimator.model, estimator.state, estimator.covariance, prior,
+                            coarse_.after_first_fix(), [&](const auto& P, const auto& innovation) {
+                                likelihood += log_likelihood(innovation);
+                                return this->corrected(P, innovation);
+                            });
+    return likelihood;
+}
+
+template <bool coloured>
+void InvariantEngine<coloured>::spread(const Linearisation& at, const Sensors& known) {
+    constexpr int kHeadings = 18;
+    constexpr double kApart = 2.0 * std::numbers::pi / kHeadings;
+    const Eigen::Vector3d vertical = coarse_.first_fix().C_en.row(2);
+    const bool evident = moved(at, known);
+    for (int k = 0; k < kHeadings; ++k) {
+        const Eigen::Quaterniond turn(Eigen::AngleAxisd(k * kApart, vertical));
+        const double likelihood =
+            take_again({.attitude = turn * at.attitude, .biases = at.biases}, known, 0.5 * kApart);
+        const double prior = log_prior(estimator.state, known);
+        bank_.add({.state = estimator.state,
+                   .covariance = estimator.covariance,
+                   .evidence = evident ? likelihood - prior : 0.0,
+                   .log_prior = prior});
+    }
+    refused_ = 0;
+    since_motion_ = kSettled;
+    known_ = known;
+}
+
+template <bool coloured>
+std::optional<Change> InvariantEngine<coloured>::weigh(const typename M::Fix& fix) {
+    constexpr int kPatience = 10;
+    const auto prior = [this](const typename M::State& state) { return log_prior(state, known_); };
+    const bool evident = since_motion_ < kSettled || swings(estimator.state, fix);
+    if (!bank_.correct(estimator.model, fix, this->corrector.gate, prior, evident)) {
+        if (++refused_ == kPatience) {
+            bank_.clear();
+            coarse_.begin();
+        }
+        return std::nullopt;
+    }
+    refused_ = 0;
+    take_moments();
+    if (heading_sigma() < kWide) {
+        bank_.clear();
+        this->corrector.restart();
+    }
+    return follow();
+}
+
+template <bool coloured>
+double InvariantEngine<coloured>::log_prior(const typename M::State& state, const Sensors& known) const {
+    const Vector<Base::kStates> sigma = this->sigma_at_start();
+    return -0.5 * (state.sensors - known).cwiseQuotient(sigma.template tail<M::kSensors>()).squaredNorm();
+}
+
+template <bool coloured>
+bool InvariantEngine<coloured>::moves(const typename M::State& x, const Preintegration& interval) const {
+    const M& model = estimator.model;
+    const Eigen::Vector3d change = model.moved(x, interval).navigation().velocity - x.navigation().velocity;
+    // What the velocity gains by the errors of tilt and sensors.
+    Matrix<3, Base::kStates> gain = model.transition(x, interval).template middleRows<3>(M::kVelocity);
+    gain.template middleCols<3>(M::kVelocity).setZero();
+    const Eigen::Matrix3d C_bn = M::navigation_errors(x).template topLeftCorner<3, 3>();
+    const Eigen::Vector3d up = C_bn.row(2);
+    gain.template leftCols<3>() -= (gain.template leftCols<3>() * up * up.transpose()).eval();
+    const Matrix<2, Base::kStates> level = C_bn.topRows<2>() * gain;
+    const double errors = (level * estimator.covariance * level.transpose()).trace();
+    const double noise = 2.0 * std::pow(model.noise.velocity_random_walk, 2) * interval.duration;
+    return change.head<2>().squaredNorm() > kSigmas * kSigmas * (errors + noise);
+}
+
+template <bool coloured>
+bool InvariantEngine<coloured>::moved(const Linearisation& at, const Sensors& known) const {
+    typename M::State x = estimator.state;
+    x.sensors = known;
+    x.sensors.template head<6>() = at.biases;
+    x.pose = placed(at.attitude, coarse_.first_fix());
+    return std::ranges::any_of(coarse_.after_first_fix(), [&](const Epoch<M>& epoch) {
+        const typename M::State before = std::exchange(x, estimator.model.moved(x, epoch.interval));
+        return moves(before, epoch.interval) || swings(x, epoch.fix);
+    });
+}
+
+template <bool coloured>
+bool InvariantEngine<coloured>::swings(const typename M::State& x, const typename M::Fix& fix) const {
+    const Eigen::Vector3d velocity = fix.C_en * (x.pose.attitude * fix.velocity_arm);
+    const double rate_noise = estimator.model.noise.angle_random_walk / std::sqrt(previous_.dt);
+    return velocity.head<2>().norm() > kSigmas * rate_noise * fix.lever_arm.norm();
+}
+
+template <bool coloured>
+void InvariantEngine<coloured>::take_moments() {
+    const auto moments = bank_.moments();
+    estimator.state = moments.state;
+    estimator.covariance = moments.covariance;
+    refresh();
 }
 
 template <bool coloured>

@@ -149,6 +149,77 @@ TEST(AlignmentFilterInvariant, SaysWhatStageItIsIn) {
     EXPECT_EQ(fed.filter.outputs.status, Status::converged);
 }
 
+// Gyros that are off by as much as the Earth turns, told truthfully.
+struct CoarseGyros : FedFilter {
+    static constexpr double kBias = 10.0 * kDegree / 3600.0;  // [rad/s]
+    static constexpr double kAngleWalk = 1.75e-5;             // [rad/s^0.5]
+    static constexpr double kVelocityWalk = 8.3e-4;           // [m/s^1.5]
+
+    CoarseGyros() {
+        filter.parameters.prior.gyro_bias_sigma = kBias;
+        filter.parameters.process.angle_random_walk = kAngleWalk;
+        filter.parameters.process.velocity_random_walk = kVelocityWalk;
+    }
+};
+
+// At rest the heading cannot be known, and a filter that thinks so waits; an antenna that swings about the
+// IMU shows it.
+TEST(AlignmentFilterInvariant, WaitsForAMotionWhereGyrosAreTooCoarse) {
+    for (const double heading : {0.7, 2.8, -1.9}) {
+        CoarseGyros fed;
+        Draws draw(7);
+        Trial run;
+        run.table.heading = heading;
+        run.table.gyro_bias = draw(CoarseGyros::kBias);
+        run.lever_arm = {1.0, 2.0, 0.5};
+        fed.filter.parameters.gnss.lever_arm = run.lever_arm;
+        run.fix_noise = [&](int) { return draw(0.1); };
+        run.imu_noise = [&](ImuIncrement& increment) {
+            increment.delta_angle += draw(CoarseGyros::kAngleWalk * std::sqrt(increment.dt));
+            increment.delta_velocity += draw(CoarseGyros::kVelocityWalk * std::sqrt(increment.dt));
+        };
+        run.start(fed);
+        run.advance(fed, 0, 600 * kRate);
+        EXPECT_EQ(fed.filter.outputs.status, Status::coarse);
+        EXPECT_EQ(fed.log.with("the heading cannot be told yet"), 1);
+        EXPECT_GT(fed.filter.outputs.heading_sigma, 30.0 * kDegree);
+        EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 3.0 * fed.filter.outputs.heading_sigma);
+        EXPECT_EQ(fed.filter.outputs.rejected_fixes, 0);
+
+        run.table.heading -= 600.0 * 0.3;  // where it is when it begins to turn
+        run.table.rate = 0.3;
+        run.advance(fed, 600 * kRate, 660 * kRate);
+        EXPECT_EQ(fed.filter.outputs.status, Status::aligning);
+        EXPECT_EQ(fed.log.with("coarse stage ends at"), 1);
+        EXPECT_LT(fed.filter.outputs.heading_sigma, 5.0 * kDegree);
+        EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 3.0 * fed.filter.outputs.heading_sigma);
+    }
+}
+
+// Fixes that jump away, none of which any heading explains: refused, and if they stay, the stage begins anew.
+TEST(AlignmentFilterInvariant, FindsBackFromFixesThatNoHeadingExplains) {
+    CoarseGyros fed;
+    Draws draw(8);
+    Trial run;
+    run.table.gyro_bias = draw(CoarseGyros::kBias);
+    run.fix_noise = [&](int) { return draw(0.1); };
+    run.start(fed);
+    run.advance(fed, 0, 300 * kRate);
+    ASSERT_EQ(fed.log.with("the heading cannot be told yet"), 1);
+    run.fix_noise = [&](int) { return Vector3d(Vector3d(40.0, 0.0, 0.0) + draw(0.1)); };
+    run.advance(fed, 300 * kRate, 305 * kRate);
+    EXPECT_EQ(fed.filter.outputs.rejected_fixes, 5);
+    EXPECT_EQ(fed.filter.outputs.status, Status::coarse);
+    run.fix_noise = [&](int) { return draw(0.1); };
+    run.advance(fed, 305 * kRate, 310 * kRate);
+    EXPECT_EQ(fed.filter.outputs.rejected_fixes, 5);
+    run.table.position.height += 2000.0;
+    run.advance(fed, 310 * kRate, 500 * kRate);
+    EXPECT_EQ(fed.filter.outputs.rejected_fixes, 15);
+    EXPECT_EQ(fed.log.with("the heading cannot be told yet"), 2);
+    EXPECT_NEAR(fed.filter.outputs.nav.height, run.table.position.height, 5.0);
+}
+
 TEST(AlignmentFilterInvariant, NeedsNoCoarseStageFromAKnownSector) {
     for (const auto predictor : {Predictor::linearised, Predictor::unscented, Predictor::augmented}) {
         FedFilter fed;
@@ -203,6 +274,25 @@ TEST(AlignmentFilterInvariant, ContinuesBitForBitFromEveryStage) {
         run.advance(other, middle, middle + 1500);
         EXPECT_EQ(bytes(other.filter.outputs), bytes(fed.filter.outputs)) << middle;
     }
+}
+
+TEST(AlignmentFilterInvariant, ContinuesBitForBitWhileItWeighsHeadings) {
+    Trial run;
+    run.table.gyro_bias = Vector3d::Constant(CoarseGyros::kBias);
+    run.fix_noise = [](int second) {
+        return Vector3d(0.1 * std::sin(second), 0.1 * std::cos(3 * second), 0.0);
+    };
+    CoarseGyros fed;
+    run.start(fed);
+    run.advance(fed, 0, 10010);
+    ASSERT_EQ(fed.log.with("the heading cannot be told yet"), 1);
+    std::stringstream stored;
+    cereal::BinaryOutputArchive{stored}(fed.filter);
+    CoarseGyros other;
+    cereal::BinaryInputArchive{stored}(other.filter);
+    run.advance(fed, 10010, 11500);
+    run.advance(other, 10010, 11500);
+    EXPECT_EQ(bytes(other.filter.outputs), bytes(fed.filter.outputs));
 }
 
 TEST(AlignmentFilterInvariant, BeginsAgainAfterAGapThatCannotBeBridged) {

@@ -96,6 +96,7 @@ struct Session {
     std::function<Eigen::Vector3d(int second)> fix_noise = [](int) {
         return Eigen::Vector3d(Eigen::Vector3d::Zero());
     };  // of the velocity [m/s]
+    std::function<void(ImuIncrement&)> imu_noise = [](ImuIncrement&) {};
     std::function<void(Fed<Filter>&, int k)> after_step = [](Fed<Filter>&, int) {};
 
     void start(Fed<Filter>& fed) const { fed.start(table, heading_error); }
@@ -104,7 +105,9 @@ struct Session {
     void advance(Fed<Filter>& fed, int from, int to) const {
         for (int k = from + 1; k <= to; ++k) {
             const double time = static_cast<double>(k) / kRate;
-            fed.put_sample(time, table.increment(static_cast<double>(k - 1) / kRate, time));
+            ImuIncrement increment = table.increment(static_cast<double>(k - 1) / kRate, time);
+            imu_noise(increment);
+            fed.put_sample(time, increment);
             if (k > latency && (k - latency) % kRate == 0) {
                 const int second = (k - latency) / kRate;
                 GnssFix fix = table.fix(second, lever_arm);
