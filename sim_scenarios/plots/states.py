@@ -78,6 +78,8 @@ def panels(run: xr.Dataset, known: bool) -> Iterator[tuple[str, Array, Array]]:
 def _values(run: xr.Dataset, quantity: Quantity, known: bool) -> Array | None:
     """Errors of three states where the truth is known, else estimates; None of what is not."""
     if known and quantity.error:
+        if quantity.error not in run:  # of a reference that knows an attitude alone
+            return None
         error: Array = run[quantity.error].values
         return wrap(error) if quantity.unit == "arcmin" else error
     if quantity.estimate not in run or (known and quantity.truth not in run):

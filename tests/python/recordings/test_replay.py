@@ -14,7 +14,7 @@ from plant_signals import as_csv, as_table, sensed, told_as_in
 from town_drive import TownDrive
 
 import sim_scenarios
-from sim_scenarios import Outages, Start, ZeroVelocity
+from sim_scenarios import Outages, Start, ZeroVelocity, curves
 from sim_scenarios.attitude import wrap
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, PLANT, Fmus, load
@@ -433,3 +433,28 @@ def test_the_plain_form_has_what_the_recording_has(ship: Recording, tmp_path: Pa
     np.testing.assert_array_equal(read.gnss.velocity, ship.gnss.velocity)
     np.testing.assert_allclose(read.gnss.position, ship.gnss.position, rtol=1e-15)
     assert len(as_table(ship)) == len(read.imu.time)
+
+
+@pytest.mark.parametrize(
+    "known", [{"attitude"}, {"attitude", "velocity"}, {"attitude", "position"}, {"position"}]
+)
+def test_the_page_shows_what_a_reference_knows(
+    known: set[str], ship: Recording, all_fmus: Fmus, tmp_path: Path
+) -> None:
+    """Somebody else's solution may be an attitude alone."""
+    reference = ship.reference
+    assert reference is not None
+    unknown = {
+        name: np.full_like(getattr(reference, name), np.nan)
+        for name in {"attitude", "velocity", "position"} - known
+    }
+    told = {**told_as_in("swaying_ship", all_fmus), **INVARIANT, "coarse.enabled": False}
+    partly = replace(ship, reference=replace(reference, **unknown))
+    run = sim_scenarios.replay(partly, Start(0.0), set=told, fmus=all_fmus)
+    assert {name for name in ("attitude", "velocity", "position") if f"{name}_error" in run} == known
+    of_errors = {
+        panel["title"].split()[0] for panel in curves.of_replay(run) if "error with" in panel["title"]
+    }
+    names = {"attitude": "Misalignment", "velocity": "Velocity", "position": "Position"}
+    assert of_errors == ({names[name] for name in known} if "attitude" in known else set())
+    assert report_replay(run, tmp_path).is_file()
