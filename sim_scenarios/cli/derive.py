@@ -77,6 +77,8 @@ def derive_noise(
             (draft / "noise.toml").write_text(derived.toml(), encoding="utf-8")
             if derived.rest is not None:
                 (draft / "allan.png").write_bytes(png(allan(derived.rest)))
+    if derived.unused is not None:
+        say(f"truenorth: {derived.unused}: the stretch at rest alone is told")
     values = {finding.name: finding for finding in derived.findings if finding.value is not None}
     if as_json:
         print_json(

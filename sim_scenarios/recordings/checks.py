@@ -160,9 +160,14 @@ def _doubts_of_fixes(imu: ImuTable, gnss: FixTable) -> list[str]:
         return said
     if abs(found.lag) > LATE and _turns_alike(found):
         said.append(f"gnss: {_late(found.lag)}")
-    if not _within(found.slope, RIGHT):
+    if not turns_alike(found.slope):
         said.append(f"the course turns {found.slope:.2f} times as far as the delta angles say")
     return said
+
+
+def turns_alike(slope: float) -> bool:
+    """Whether the course turns about as far as the IMU."""
+    return _within(slope, RIGHT)
 
 
 def _late_for_certain(found: Turns) -> bool:

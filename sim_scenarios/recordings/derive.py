@@ -28,7 +28,7 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, Fmu, Fmus
 from sim_scenarios.recordings.allan import CONFIDENCE, FLICKER_FLOOR
 from sim_scenarios.recordings.at_rest import SENSORS, AtRest, SensorAtRest, at_rest
-from sim_scenarios.recordings.from_drive import FromDrive, from_drive, moves
+from sim_scenarios.recordings.from_drive import FromDrive, ShortDriveError, from_drive, moves
 from sim_scenarios.recordings.noise_fit import Estimate, NoiseFit
 from sim_scenarios.recordings.start import Start
 from sim_scenarios.recordings.stretches import between, longest_standing
@@ -96,6 +96,8 @@ class Derivation:
     findings : tuple of Finding
     rest : AtRest or None
     drive : FromDrive or None
+    unused : str or None
+        Why a drive tells nothing.
     """
 
     recording: str
@@ -103,6 +105,7 @@ class Derivation:
     findings: tuple[Finding, ...]
     rest: AtRest | None
     drive: FromDrive | None
+    unused: str | None = None
 
     def toml(self) -> str:
         """File of the parameters, the evidence before each."""
@@ -111,6 +114,8 @@ class Derivation:
             lines[1:1] = [
                 "# Of fixes that tell their sigmas, `replay` takes the larger of those and measurement.*.",
             ]
+        if self.unused is not None:
+            lines[1:1] = [f"# {self.unused}: the stretch at rest alone is told."]
         for finding in self.findings:
             lines += [f"# {line}" for line in finding.evidence]
             if finding.value is None:
@@ -152,7 +157,7 @@ def derive(
     Raises
     ------
     InputError
-        When the vehicle neither stands nor drives.
+        When the vehicle neither stands nor drives, or drives for too short a time and does not stand.
     """
     fmus = fmus or Fmus()
     if filter_fmu not in FILTERS:
@@ -167,7 +172,7 @@ def derive(
             "stretch at rest with --from and --to"
         )
     found = {finding.name: finding for finding in _of_rest(rest)} if rest else {}
-    drive = None
+    drive, unused = None, None
     if drives:
         navigation = fmus[NAVIGATION_FILTER]
         told = {
@@ -175,12 +180,18 @@ def derive(
             for name, finding in found.items()
             if finding.value is not None and navigation.has_parameter(name)
         }
-        drive = from_drive(recording, start, told=told, progress=progress, fmus=fmus)
-        for finding in _of_drive(drive):
-            found[finding.name] = _both(finding, found.get(finding.name))
+        try:
+            drive = from_drive(recording, start, told=told, progress=progress, fmus=fmus)
+        except ShortDriveError as short:
+            if rest is None:
+                raise
+            unused = str(short)
+        else:
+            for finding in _of_drive(drive):
+                found[finding.name] = _both(finding, found.get(finding.name))
     fmu = fmus[filter_fmu]
     findings = tuple(finding for name, finding in found.items() if fmu.has_parameter(name))
-    return Derivation(recording.name, fmu, findings, rest, drive)
+    return Derivation(recording.name, fmu, findings, rest, drive, unused)
 
 
 def bias_walk(sizes: Mapping[str, float]) -> float:

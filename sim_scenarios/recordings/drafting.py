@@ -15,6 +15,7 @@ import numpy as np
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings import (
     ahead,
+    checks,
     clocks,
     forces,
     guessed_tables,
@@ -32,6 +33,7 @@ from sim_scenarios.recordings.readers.columns import likely
 from sim_scenarios.recordings.readers.contents import Clock, Contents
 from sim_scenarios.recordings.readers.sheets import Sheet
 from sim_scenarios.recordings.tables import ImuTable
+from sim_scenarios.units import DEGREE
 
 LEVER_ARM: Final = Guess([0.0, 0.0, 0.0], "fill in: from the IMU to it, right, forward, up [m]")
 _MOUNTING: Final = (
@@ -101,6 +103,7 @@ def draft(files: Sequence[Path], folder: Path) -> tuple[str, list[str]]:
         raise InputError(f"{', '.join(map(str, files))}: none has an IMU")
     ordered = [parts[table] for table in TABLES if table in parts]
     _guess_clocks(ordered)
+    _guess_turns(parts["imu"], parts.get("gnss"))
     _guess_axes(parts["imu"], parts.get("gnss"))
     for table in ("gnss", "body_velocity"):
         if table in parts:
@@ -161,6 +164,13 @@ def _of_cells(sheet: Sheet) -> list[Part]:
         units = {f"units.{key}": guess for key, guess in told.units.items()}
         contents = TABLES[table][1](sheet, *told.models())
         parts.append(Part(table, sheet.path, contents, {**named, **units}))
+    if not parts and (half := {"angular", "force"} & set(columns)):
+        (has,) = half
+        lacks = "angular rates" if has == "force" else "specific forces"
+        raise InputError(
+            f"{sheet.path}: {', '.join(columns[has])} are of an IMU, and there are no {lacks} beside them: "
+            "both must stand in one file"
+        )
     return parts
 
 
@@ -225,6 +235,29 @@ def _together(one: Stamps, other: Stamps) -> bool:
     except InputError:
         return False
     return True
+
+
+def _guess_turns(imu: Part, gnss: Part | None) -> None:
+    """Degrees or radians, where size alone told them: those that turn as the course does."""
+    guess = imu.entries.get("units.angular")
+    if gnss is None or guess is None or not guess.why.startswith(guessed_tables.BY_SIZE):
+        return
+    with suppress(InputError):  # of spans that do not overlap, which loading the description tells
+        time, of_fixes = clocks.on_one_clock([imu.stamps(), gnss.stamps()])
+        fixes = replace(gnss.rows, time=of_fixes)
+        found = turns.compare(replace(_increments(imu), time=time), fixes)
+        if found is None or abs(found.correlation) < checks.SURE:
+            return
+        of_degrees = guess.value.startswith("deg")
+        times = abs(found.slope) * (DEGREE if of_degrees else 1.0)  # as far as the numbers say
+        for unit, factor in (("rad", 1.0), ("deg", DEGREE)):
+            if checks.turns_alike(times / factor):
+                why = f"the course turns {times:.3g} times as far as the numbers say"
+                imu.entries["units.angular"] = Guess(
+                    guess.value.replace("deg", unit).replace("rad", unit), why
+                )
+                told = imu.rows.angular * factor / (DEGREE if of_degrees else 1.0)
+                imu.contents = replace(imu.contents, imu=replace(imu.rows, angular=told))
 
 
 def _guess_axes(imu: Part, gnss: Part | None) -> None:

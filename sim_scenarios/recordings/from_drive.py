@@ -76,6 +76,10 @@ _UNSEEN: Final = 1.0
 """Sigma of a logarithm from which on a parameter has not been seen."""
 
 
+class ShortDriveError(InputError):
+    """A drive has too few fixes to tell noises."""
+
+
 @dataclass(frozen=True)
 class Innovations:
     """Of one replay.
@@ -299,9 +303,10 @@ class _Drive:
         time = data["fix_time"].values
         settled = time > float(data["time"].values[0]) + SETTLING
         if np.count_nonzero(settled) < FEWEST:
-            raise InputError(
-                f"{self.recording.name}: {np.count_nonzero(settled)} fixes later than {SETTLING:g} s after "
-                f"the start; at least {FEWEST} are needed"
+            raise ShortDriveError(
+                f"{self.recording.name}: the drive from {data['time'].values[0]:g} s on has "
+                f"{np.count_nonzero(settled)} fixes, {FIX_SPACING:g} s apart, after its first {SETTLING:g} s; "
+                f"at least {FEWEST} are needed"
             )
         residual, sigma = (data[name].values[settled] for name in ("innovation", "innovation_sigma"))
         return Innovations(time[settled], residual, sigma)

@@ -36,6 +36,8 @@ NEAR_GRAVITY: Final = 1.25
 FASTEST: Final = 40.0  # rad/s, more than 2000 deg/s
 SMALLEST_COUNT: Final = 1000.0
 """From which on a latitude or a longitude is a whole number of 1e-7 deg, as receivers put it out."""
+BY_SIZE: Final = "check: by size alone"
+"""Of a unit that nothing else tells."""
 _FORCES: Final = ("m/s2", "g", "mg")
 
 
@@ -201,7 +203,7 @@ def _angular(name: str, raw: ImuTable, values: Array, increments: bool) -> Guess
         return Guess(degrees, f"{fast:.3g} rad/s would be too fast")
     middle = float(np.nanmedian(np.linalg.norm(values, axis=1))) / period
     unit = radians if middle < 0.05 else degrees
-    return Guess(unit, f"check: by size alone, {middle:.3g} in the middle")
+    return Guess(unit, f"{BY_SIZE}, {middle:.3g} in the middle")
 
 
 def _moving(

@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 from plant_signals import sensed
 from scipy.stats import chi2
-from town_drive import imu_cells
+from town_drive import TownDrive, imu_cells
 from typer.testing import CliRunner
 
 from sim_scenarios import toml
@@ -304,6 +304,31 @@ def test_settings_of_the_command_line_go_before_those_of_files(tmp_path: Path) -
 def test_drive_without_enough_fixes_is_refused() -> None:
     with pytest.raises(InputError, match="has no fixes"):
         from_drive.from_drive(standing_then_moving())
+
+
+def test_a_drive_that_is_too_short_leaves_what_the_rest_tells(fmus: Fmus) -> None:
+    """From stoplight to stoplight, a minute after a minute's rest; without that there is nothing to tell."""
+    town, period, random = TownDrive().recording(60.0), 0.01, np.random.default_rng(1)
+    assert town.gnss is not None
+    rest = 0.2 * np.sqrt(period) * WHITE["gyro"] * random.standard_normal((6000, 3))
+    force = np.sqrt(period) * WHITE["accelerometer"] * random.standard_normal((6000, 3))
+    force[:, 2] += STANDARD_GRAVITY * period
+    later = 6000 * period
+    imu = ImuTable(
+        np.concatenate([town.imu.time[0] - period + period * np.arange(1, 6001), town.imu.time + later]),
+        np.concatenate([rest, town.imu.delta_angle]),
+        np.concatenate([force, town.imu.delta_velocity]),
+    )
+    short = Recording("short", imu, replace(town.gnss, time=town.gnss.time + later))
+    derived = derive(short, begin=1.0, end=59.0, fmus=fmus)
+    assert derived.drive is None
+    assert derived.unused is not None
+    assert "at least 100 are needed" in derived.unused
+    assert "the stretch at rest alone is told" in derived.toml()
+    told = {finding.name: finding.value for finding in derived.findings}
+    assert told["process.angle_random_walk"] == pytest.approx(0.2 * WHITE["gyro"], rel=0.3)
+    with pytest.raises(InputError, match=r"the drive from .* at least 100 are needed"):
+        derive(town, fmus=fmus)
 
 
 def test_noises_of_a_short_rest_of_the_plant(fmus: Fmus) -> None:

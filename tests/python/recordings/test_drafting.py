@@ -107,6 +107,26 @@ def test_degrees_are_told_from_radians_without_a_name(tmp_path: Path) -> None:
         assert doubts(load(path)) == []
 
 
+@pytest.mark.parametrize(("unit", "si"), [("deg/s", DEGREE), ("rad/s", 1.0)])
+@pytest.mark.parametrize("times", [0.02, 1.0, 3.0])
+def test_degrees_are_told_from_radians_by_the_course(
+    tmp_path: Path, unit: str, si: float, times: float
+) -> None:
+    """Where tilts tell nothing and the size something else, as of a drone that turns all the time."""
+    cells = sensor(FLU, si, 1.0, GYRO)
+    rates = ["gyro_x", "gyro_y", "gyro_z"]
+    cells[["gyro_x", "gyro_y"]] += np.random.default_rng(1).normal(0, times / si, (len(cells), 2))
+    cells[["acc_x", "acc_y"]] = 0.0
+    cells["acc_z"] = G
+    assert np.median(np.linalg.norm(cells[rates], axis=1)) > 0.05 or unit == "rad/s"
+    cells.to_csv(tmp_path / "imu.csv", index=False)
+    fix_cells(WHOLE.gnss).to_csv(tmp_path / "gnss.csv", index=False, float_format="%.12f")
+    text, _ = draft([tmp_path / "imu.csv", tmp_path / "gnss.csv"], tmp_path)
+    (tmp_path / "recording.toml").write_text(text)
+    said = toml.read(tmp_path / "recording.toml")
+    assert said["imu"]["units"]["angular"] == unit
+
+
 def test_without_a_header_size_and_steadiness_tell(tmp_path: Path) -> None:
     cells = sensor(FLU, 1.0, 1.0, GYRO)[["time", "acc_x", "acc_y", "acc_z", "gyro_x", "gyro_y", "gyro_z"]]
     cells.to_csv(tmp_path / "imu.csv", index=False, header=False)
@@ -183,6 +203,14 @@ def test_what_has_no_imu_is_refused(tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("time,a,b\n1,2,3\n2,3,4\n")
     with pytest.raises(InputError, match=r"x\.csv: has neither an IMU nor an aid"):
         draft([tmp_path / "x.csv"], tmp_path)
+
+
+@pytest.mark.parametrize(("kind", "lacks"), [("gyro", "specific forces"), ("acc", "angular rates")])
+def test_half_an_imu_is_refused_with_what_it_lacks(tmp_path: Path, kind: str, lacks: str) -> None:
+    """Loggers write gyros and accelerometers into files of their own."""
+    sensor(FLU, 1.0, 1.0, GYRO).filter(regex=f"time|{kind}").to_csv(tmp_path / "half.csv", index=False)
+    with pytest.raises(InputError, match=rf"half\.csv: {kind}_x, .* of an IMU, and there are no {lacks}"):
+        draft([tmp_path / "half.csv"], tmp_path)
 
 
 def test_vibration_does_not_pass_for_gravity(tmp_path: Path) -> None:
