@@ -305,7 +305,7 @@ class _Drive:
         if np.count_nonzero(settled) < FEWEST:
             raise ShortDriveError(
                 f"{self.recording.name}: the drive from {data['time'].values[0]:g} s on has "
-                f"{np.count_nonzero(settled)} fixes, {FIX_SPACING:g} s apart, after its first {SETTLING:g} s; "
+                f"{np.count_nonzero(settled)} fixes, {FIX_SPACING:g} s apart, after {SETTLING:g} s of it; "
                 f"at least {FEWEST} are needed"
             )
         residual, sigma = (data[name].values[settled] for name in ("innovation", "innovation_sigma"))
