@@ -36,6 +36,8 @@ from sim_scenarios.recordings.tables import ImuTable
 from sim_scenarios.units import DEGREE
 
 LEVER_ARM: Final = Guess([0.0, 0.0, 0.0], "fill in: from the IMU to it, right, forward, up [m]")
+TELLING: Final = 0.5
+"""Correlation of turns that tells apart units of which one is 57 times the other."""
 _MOUNTING: Final = (
     "# mounting = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
     "# fill in if the sensor is not mounted along the vehicle's axes: the matrix that takes its vectors\n"
@@ -246,7 +248,7 @@ def _guess_turns(imu: Part, gnss: Part | None) -> None:
         time, of_fixes = clocks.on_one_clock([imu.stamps(), gnss.stamps()])
         fixes = replace(gnss.rows, time=of_fixes)
         found = turns.compare(replace(_increments(imu), time=time), fixes)
-        if found is None or abs(found.correlation) < checks.SURE:
+        if found is None or abs(found.correlation) < TELLING:
             return
         of_degrees = guess.value.startswith("deg")
         times = abs(found.slope) * (DEGREE if of_degrees else 1.0)  # as far as the numbers say
