@@ -107,7 +107,7 @@ def test_the_curves_are_those_of_the_data_set(opened: Page, data: xr.Dataset) ->
 @browser_is_there
 def test_the_tables_have_the_figures_of_the_data_set(opened: Page, cases: list[CaseSummary]) -> None:
     for i, case in enumerate(cases):
-        for j, rows in enumerate((table.figures(case), table.errors(case))):
+        for j, rows in enumerate((table.figures(case), table.certainty(case), table.errors(case))):
             shown = opened.locator("section").nth(i).locator("table").nth(j).locator("tbody tr")
             texts = shown.evaluate_all(
                 "rows => rows.map(row => [...row.cells].map(cell => cell.textContent))"
@@ -127,10 +127,10 @@ def test_nothing_is_wider_than_the_window(opened: Page) -> None:
 @browser_is_there
 def test_the_plots_follow_a_dark_screen(opened: Page) -> None:
     opened.emulate_media(color_scheme="dark")
-    opened.wait_for_function("document.getElementById('error').layout.font.color === '#e6edf3'")
+    opened.wait_for_function("() => document.getElementById('error').layout.font.color === '#e6edf3'")
     browser.fits(opened, "dark")
     opened.emulate_media(color_scheme="light")
-    opened.wait_for_function("document.getElementById('error').layout.font.color === '#24292f'")
+    opened.wait_for_function("() => document.getElementById('error').layout.font.color === '#24292f'")
 
 
 @node_is_there
