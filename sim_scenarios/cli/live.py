@@ -104,10 +104,10 @@ def _view(look: Look, track: Sequence[Place]) -> RenderableType:
     lines, across = drawn(track)
     there = Table.grid()
     there.add_row(Text("\n".join(lines), style="cyan"))
-    there.add_row(Text(f"track, {across:.3g} m across", style="dim"))
+    there.add_row(Text(f"track, {across:,.{0 if across > 10 else 2}f} m across", style="dim"))
     both = Table.grid(padding=(0, 4))
     both.add_row(figures, there if lines else "")
-    return Group(both, ProgressBar(total=look.duration, completed=look.time, width=COLUMNS))
+    return Group(both, ProgressBar(total=look.duration, completed=look.time))
 
 
 def drawn(track: Sequence[Place]) -> tuple[list[str], float]:
