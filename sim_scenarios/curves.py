@@ -1,8 +1,8 @@
 """Curves of a run that its page draws so that a reader can zoom into them and read values off.
 
 A panel is one of the pictures that can be chosen: a title, what is along its axes, and curves with x and y,
-perhaps with a band between `lower` and `upper`. Curves are thinned; the data set beside the page has all of
-them.
+perhaps with a band between `lower` and `upper`, and perhaps the range of y that is seen at first. Curves are
+thinned; the data set beside the page has all of them.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def of_comparison(runs: xr.Dataset) -> list[Panel]:
             _curve(label, time, wrap(run["heading_error"].values)[thin] / ARCMIN)
             for label, run in each.items()
         ]
-        found = [_panel("heading error", TIME, "arcmin", headings)]
+        found = [_settling("heading error", "arcmin", headings)]
         if "position_error" not in runs:
             return found
         courses: dict[str, list[Panel]] = {}
@@ -76,7 +76,7 @@ def of_comparison(runs: xr.Dataset) -> list[Panel]:
                 courses.setdefault(title, []).append(_curve(label, time, error[thin]))
         for title, curves in courses.items():
             name, _, unit = title.rstrip("]").partition(" [")
-            found.append(_panel(f"magnitude of the {name} error", TIME, unit, curves))
+            found.append(_settling(f"magnitude of the {name} error", unit, curves))
         return found
 
     return _thinned(made)
@@ -93,8 +93,8 @@ def of_replays(runs: Mapping[str, xr.Dataset]) -> list[Panel]:
             headings.append(_curve(label, time, _continuous(run)[thin]))
             sigmas.append(_curve(label, time, run["heading_sigma"].values[thin] / DEGREE))
         return [
-            _panel("heading", TIME, "deg", headings),
-            _panel("1 sigma of the heading", TIME, "deg", sigmas),
+            _settling("heading", "deg", headings),
+            _settling("1 sigma of the heading", "deg", sigmas),
         ]
 
     return _thinned(made)
@@ -116,8 +116,27 @@ def _every(length: int, points: int) -> slice:
     return slice(None, None, max(1, -(-length // points)))
 
 
-def _panel(title: str, x: str, y: str, curves: list[dict[str, Any]], **more: bool) -> Panel:
+def _panel(title: str, x: str, y: str, curves: list[dict[str, Any]], **more: object) -> Panel:
     return {"title": f"{title[0].upper()}{title[1:]}", "x": x, "y": y, "curves": curves, **more}
+
+
+def _settling(title: str, y: str, curves: list[dict[str, Any]]) -> Panel:
+    """Panel over time that shows at first what is reached from a fifth of the time on.
+
+    An alignment begins with errors a hundred times as large as those that it is about.
+    """
+    late = []
+    for one in curves:
+        time = np.array(one["x"], dtype=float)
+        settled = time >= time[0] + 0.2 * (time[-1] - time[0])
+        late += [np.array(one[name], dtype=float)[settled] for name in ("y", "lower", "upper") if name in one]
+    reached = np.concatenate(late)
+    reached = reached[np.isfinite(reached)]
+    if len(reached) == 0:
+        return _panel(title, TIME, y, curves)
+    low, high = reached.min(), reached.max()
+    room = 0.05 * (high - low) or 1.0
+    return _panel(title, TIME, y, curves, range=numbers(np.array([low - room, high + room])))
 
 
 def _curve(name: str, x: list[float | None], y: Array, reach: Array | None = None) -> dict[str, Any]:
@@ -142,14 +161,14 @@ def _heading_error(run: xr.Dataset, points: int) -> Panel:
         bound = run["bound.heading_sigma"].values[of_bound] / ARCMIN
         when = numbers(run["bound_time"].values[of_bound])
         curves.append(_curve("Cramer-Rao bound, 1 sigma", when, bound))
-    return _panel("heading error, with 3 sigma of the filter", TIME, "arcmin", curves)
+    return _settling("heading error, with 3 sigma of the filter", "arcmin", curves)
 
 
 def _heading(run: xr.Dataset, points: int) -> Panel:
     thin = _every(run.sizes["time"], points)
     reach = 3 * run["heading_sigma"].values[thin] / DEGREE
     curve = _curve("heading", numbers(run["time"].values[thin]), _continuous(run)[thin], reach)
-    return _panel("heading, with 3 sigma", TIME, "deg", [curve])
+    return _settling("heading, with 3 sigma", "deg", [curve])
 
 
 def _continuous(run: xr.Dataset) -> Array:
@@ -167,7 +186,7 @@ def _states(run: xr.Dataset, points: int) -> Iterator[Panel]:
         name, _, unit = title.rstrip("]").partition(" [")
         shown, reach = values[thin], 3 * sigma[thin]
         curve = _curve(name, time, shown) | _band(np.zeros_like(shown) if known else shown, reach)
-        yield _panel(f"{name}: {'error' if known else 'estimate'} with 3 sigma", TIME, unit, [curve])
+        yield _settling(f"{name}: {'error' if known else 'estimate'} with 3 sigma", unit, [curve])
 
 
 def _nis(run: xr.Dataset, points: int) -> Iterator[Panel]:

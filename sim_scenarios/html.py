@@ -55,13 +55,17 @@ def numbers(values: NDArray[np.float64]) -> list[float | None]:
     return [float(f"{value:.5g}") if np.isfinite(value) else None for value in values.tolist()]
 
 
-def policy(scripts: Sequence[str]) -> str:
-    """What a page may do (Content-Security-Policy): show what it holds, and run these scripts."""
+def policy(scripts: Sequence[str], listens: bool = False) -> str:
+    """What a page may do (Content-Security-Policy): show what it holds, and run these scripts.
+
+    A page that listens may ask who served it for more to show.
+    """
     hashes = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
     allowed = " ".join(f"'sha256-{one}'" for one in hashes) or "'none'"
+    listening = "; connect-src 'self'" if listens else ""
     return (
         "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; "
-        f"script-src {allowed}"
+        f"script-src {allowed}{listening}"
     )
 
 

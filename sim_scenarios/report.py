@@ -114,7 +114,11 @@ NAVIGATION = (
     *_FIXES,
 )
 REPLAY = (
-    Drawing("heading", "Heading with 3 sigma of the filter; below, its end.", heading.heading),
+    Drawing(
+        "heading",
+        "Heading with 3 sigma of the filter; below, its end, or where the vehicle turns its sigma alone.",
+        heading.heading,
+    ),
     Drawing(
         "states",
         "Estimate of every state with 3 sigma; with feedback the misalignment is what the last fix found.",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from sim_scenarios import recording
 from sim_scenarios.connection import connect, record
-from sim_scenarios.cosimulation import DisturbedSource, FmuSource, Progress, Recorded, Source
+from sim_scenarios.cosimulation import DisturbedSource, FmuSource, Progress, Recorded, Sink, Source
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmus, Number
 from sim_scenarios.instance import Message
@@ -22,6 +22,8 @@ from sim_scenarios.scenario_bound import trajectory, with_bound
 from sim_scenarios.stepping import Order
 
 Array = NDArray[np.float64]
+Watch = Callable[[Scenario, Source, Sequence[Sink]], Progress]
+"""Progress that is given what has been connected before the first step, so that it can look at it."""
 
 
 def run(
@@ -31,6 +33,7 @@ def run(
     set: Mapping[str, object] | None = None,  # noqa: A002  (the word of the command line)
     order: Order | str = Order.gauss_seidel,
     progress: Progress = lambda _: None,
+    watch: Watch | None = None,
     fmus: Fmus | None = None,
 ) -> xr.Dataset:
     """Run a scenario with its filter.
@@ -48,6 +51,8 @@ def run(
         Who steps first, as enumeration or its value: "gauss-seidel", "jacobi".
     progress : callable
         Called with the completed share.
+    watch : callable, optional
+        Makes the progress in its place, and may look at the filter: `live.looks.watch`.
     fmus : Fmus, optional
         Those that are loaded already, to load them once for many runs.
 
@@ -59,7 +64,8 @@ def run(
     order = Order(order)
     fmus = fmus or Fmus()
     loaded = load_scenario(scenario, fmus, seed=seed, settings=set)
-    return recording.of_filter(run_filters(loaded, fmus, {FILTER: loaded.filter}, order, progress), FILTER)
+    runs = run_filters(loaded, fmus, {FILTER: loaded.filter}, order, progress, watch)
+    return recording.of_filter(runs, FILTER)
 
 
 def compare(
@@ -87,9 +93,10 @@ def run_filters(
     filters: Mapping[str, Mapping[str, Number]],
     order: Order = Order.gauss_seidel,
     progress: Progress = lambda _: None,
+    watch: Watch | None = None,
 ) -> xr.Dataset:
     """Run filters, given by label and parameters, on the signals of a scenario."""
-    recorded, messages = simulated(scenario, fmus, filters, order, progress)
+    recorded, messages = simulated(scenario, fmus, filters, order, progress, watch=watch)
     data = dataset(recorded, scenario, fmus, list(filters))
     data.attrs = attributes(scenario, fmus, messages)
     assert recorded.truth is not None
@@ -114,6 +121,7 @@ def simulated(
     order: Order = Order.gauss_seidel,
     progress: Progress = lambda _: None,
     added: Mapping[str, Array] | None = None,
+    watch: Watch | None = None,
 ) -> tuple[Recorded, list[Message]]:
     """What plant and filters recorded and said in a scenario; `added` as of `DisturbedSource`."""
     with ExitStack() as stack:
@@ -123,6 +131,8 @@ def simulated(
             if not isinstance(source, FmuSource):
                 raise InputError(f"{scenario.name}: nothing is added to the signals of an alignment")
             signals = DisturbedSource(source, added)
+        if watch is not None:
+            progress = watch(scenario, source, sinks)
         recorded = record(scenario, fmus, signals, sinks, order, progress)
         instances = (source.instance, source.alignment, *(sink.instance for sink in sinks))
         return recorded, [message for instance in instances if instance for message in instance.messages]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
+from typing import Annotated
+
 import typer
 
 from sim_scenarios.cli.options import AsJson, Output, Scenario, Seed, Settings, SettingsFile, settings
@@ -14,6 +17,7 @@ from sim_scenarios.cli.terminal import (
     refusing_bad_input,
     say_messages,
 )
+from sim_scenarios.errors import InputError
 
 
 def run_scenario(
@@ -22,6 +26,17 @@ def run_scenario(
     seed: Seed = None,
     set_: Settings = None,
     set_from: SettingsFile = None,
+    live: Annotated[
+        bool,
+        typer.Option("--live", help="Show the run while it goes on, here and on a page of this machine."),
+    ] = False,
+    pace: Annotated[
+        float | None,
+        typer.Option(
+            help="With --live: seconds of the run in one on the clock.",
+            show_default="as many as make it last half a minute",
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Run a scenario with its filter and judge the heading, or the navigation.
@@ -32,6 +47,7 @@ def run_scenario(
         truenorth run swaying_ship --seed 7
         truenorth run swaying_ship --set prior.heading_sigma="20 deg"
         truenorth run zigzag --set corrector=standard --set gnss.rate=5
+        truenorth run zigzag --live --pace 10                # heading, sigma, status and track meanwhile
         truenorth run my_ship --output results --json        # my_ship.toml of this folder
 
     Exit code 0 when the heading converged (or the horizontal position kept its limit), 1 when it did not.
@@ -40,9 +56,18 @@ def run_scenario(
     from sim_scenarios.metrics import judge
 
     with refusing_bad_input():
+        if pace is not None and not live:
+            raise InputError(f"--pace {pace:g}: goes with --live alone")
         results = Results(output)
-        with progress(scenario) as advance:
-            run = simulation.run(scenario, seed=seed, set=settings(set_, set_from), progress=advance)
+        simulate = partial(simulation.run, scenario, seed=seed, set=settings(set_, set_from))
+        if live:
+            from sim_scenarios.cli.live import watched
+
+            with watched(scenario, pace) as watch:
+                run = simulate(watch=watch)
+        else:
+            with progress(scenario) as advance:
+                run = simulate(progress=advance)
         verdict = judge(run)
         name = f"{run.attrs['scenario']}-seed{run.attrs['seed']}"
         files = results.write(run, report.report_run, name)

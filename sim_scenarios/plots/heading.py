@@ -81,22 +81,29 @@ def hand_over(run: xr.Dataset) -> Figure:
 
 
 def heading(run: xr.Dataset) -> Figure:
-    """Heading over time with 3 sigma, for a run without truth."""
+    """Heading over time with 3 sigma, for a run without truth; below its end, or its sigma where it turns."""
     time, estimate = run["time"].values, np.unwrap(run["nav.heading"].values) / DEGREE
-    sigma = 3 * run["heading_sigma"].values / DEGREE
-    final = estimate[-1]
-    with figure(rows=2, height=6.2, sharex=True) as (drawn, (whole, end)):
-        for axes in (whole, end):
-            axes.fill_between(time, estimate - sigma, estimate + sigma, label="3 sigma", **BAND)
-            axes.plot(time, estimate, color=BLUE, lw=1.3, label="heading")
-            axes.set_ylabel("deg")
+    sigma = run["heading_sigma"].values / DEGREE
+
+    def draw(axes: Axes) -> None:
+        axes.fill_between(time, estimate - 3 * sigma, estimate + 3 * sigma, label="3 sigma", **BAND)
+        axes.plot(time, estimate, color=BLUE, lw=1.3, label="heading")
+        axes.set_ylabel("deg")
+
+    with figure(rows=2, height=6.2, sharex=True) as (drawn, (whole, below)):
+        draw(whole)
         whole.set_title("Heading, clockwise from north")
         whole.legend(loc="upper right")
         late = time >= (time[0] + time[-1]) / 2
-        reach = max(1.2 * np.abs(estimate[late] - final).max(), 1.2 * sigma[late].max())
-        end.set_ylim(final - reach, final + reach)
-        end.ticklabel_format(useOffset=False)
-        end.set_xlabel("time [s]")
+        moved, reach = np.abs(estimate[late] - estimate[-1]).max(), 3 * sigma[late].max()
+        if moved > reach:
+            below.semilogy(time, sigma, color=BLUE, lw=1.3)
+            below.set_ylabel("1 sigma [deg]")
+        else:
+            draw(below)
+            below.set_ylim(estimate[-1] - 1.2 * reach, estimate[-1] + 1.2 * reach)
+            below.ticklabel_format(useOffset=False)
+        below.set_xlabel("time [s]")
         return drawn
 
 

@@ -22,8 +22,9 @@ WIDTH = 10.0  # inch
 INK = "#24292f"
 GRID = "#d8dee4"
 BLUE, ORANGE, GREEN, YELLOW, PURPLE, SKY = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9"
-COLOURS = (BLUE, YELLOW, GREEN, PURPLE, SKY, ORANGE)
-DASHES = ("-", "--", "-.", ":")
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, YELLOW, SKY)
+DASHES = ("-", "--", ":", "-.")
+"""Colours and dashes of curves side by side: in the order of plots.css and plots.js, which draw them too."""
 NAVIGATION_AXES = ("east", "north", "up")
 BODY_AXES = ("right", "forward", "up")
 BAND: dict[str, Any] = {"color": BLUE, "alpha": 0.18, "lw": 0}

@@ -7,7 +7,10 @@
   panels.forEach((panel, i) => element("panel").add(new Option(panel.title, i)));
   element("controls").hidden = false;
   element("curves").hidden = false;
-  element("panel").addEventListener("change", draw);
+  element("panel").addEventListener("change", () => {
+    Plotly.purge("curve"); // which would go back to the ranges of the panel before
+    draw();
+  });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   draw();
 
@@ -15,19 +18,8 @@
     const panel = panels[element("panel").value || 0];
     const bands = panel.curves.flatMap((one, i) => (one.lower ? area(one.x, one.lower, one.upper, `${colour(i)}33`) : []));
     const lines = panel.curves.map((one, i) => curve({ label: one.name, i }, one.x, one.y));
-    const legend = { showlegend: lines.length > 1, legend: { orientation: "h", y: -0.15 }, uirevision: panel.title };
-    const { x, y, logarithmic = false } = panel;
-    plot("curve", [...bands, ...lines], panel.title, x, y, logarithmic, panel.equal ? { ...legend, ...equal(x, y) } : legend);
-  }
-
-  // A map, on which east and north are equally long.
-  function equal(x, y) {
-    const { line } = theme();
-    const axis = { gridcolor: line, zerolinecolor: line, automargin: true };
-    return {
-      hovermode: "closest",
-      xaxis: { ...axis, title: { text: x } },
-      yaxis: { ...axis, title: { text: y }, scaleanchor: "x" },
-    };
+    const { title, x, y, range, logarithmic = false } = panel;
+    const more = { uirevision: title, ...(lines.length > 1 ? LEGEND : {}), ...(panel.equal ? equal(x, y) : {}) };
+    plot("curve", [...bands, ...lines], title, x, y, logarithmic, more, range);
   }
 })();

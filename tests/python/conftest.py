@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable, Iterator
 from importlib.metadata import EntryPoint
+from typing import TYPE_CHECKING
 
 import pytest
 import xarray as xr
@@ -13,6 +14,9 @@ import sim_scenarios
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, PLANT, Fmus, load
 from sim_scenarios.metrics import figures
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 
 @pytest.fixture(scope="session")
@@ -34,6 +38,18 @@ def ship(fmus: Fmus) -> xr.Dataset:
 def outliers(fmus: Fmus) -> xr.Dataset:
     """A comparison in which fixes are rejected."""
     return sim_scenarios.compare("gnss_outliers", seed=12, set={"duration": 400.0}, fmus=fmus)
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Browser]:
+    """Headless, for tests that are skipped where it is not installed."""
+    from browser import CHROMIUM, FLAGS  # with Playwright, which other tests do without
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()
 
 
 @pytest.fixture

@@ -40,7 +40,7 @@ globalThis.document = {
 globalThis.getComputedStyle = () => ({ getPropertyValue: (name) => page.colours[name] ?? "" });
 globalThis.matchMedia = () => new Element();
 globalThis.Option = function (text, value) { return { text, value }; };
-globalThis.Plotly = { react: (id, data, layout) => drawn.push({ id, data, layout }) };
+globalThis.Plotly = { purge: () => {}, react: (id, data, layout) => drawn.push({ id, data, layout }) };
 require("vm").runInThisContext(page.script);
 (async () => {
   for (let i = 0; i < 5000 && drawn.length === 0; i++) await new Promise((go) => setTimeout(go, 20));

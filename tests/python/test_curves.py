@@ -45,6 +45,17 @@ def test_the_page_has_the_curves_of_the_data_set(page: str, ship: xr.Dataset) ->
     assert len(panels["NIS / channels of each fix"]["curves"][0]["x"]) == ship.sizes["fix"]
 
 
+def test_what_is_seen_first_is_what_the_filter_settles_to(page: str) -> None:
+    [error, _] = content(page)[0]["curves"]
+    low, high = content(page)[0]["range"]
+    late = np.array(error["x"]) >= 120.0  # a fifth of the run
+    for edge in ("lower", "y", "upper"):
+        assert low < np.array(error[edge])[late].min()
+        assert np.array(error[edge])[late].max() < high
+    assert high == pytest.approx(np.array(error["upper"])[late].max(), rel=0.2)
+    assert high < max(error["upper"]) / 3
+
+
 def test_the_page_is_bounded(page: str, ship: xr.Dataset) -> None:
     """As is that of a run ten times as long."""
     pictures = sum(len(part.split('"', 1)[0]) for part in page.split("base64,")[1:])

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+import browser
 import pytest
 import xarray as xr
+from browser import browser_is_there
 from drawn import drawn, node_is_there
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
-from sim_scenarios.campaigns import page, table
+from sim_scenarios.campaigns import page as campaign_page
+from sim_scenarios.campaigns import table
 from sim_scenarios.campaigns.statistics import CaseSummary, summarise
 from sim_scenarios.campaigns.store import State, open_results
 from sim_scenarios.units import ARCMIN
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-FLAGS = [
-    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"),
-    *("--disable-component-update", "--disable-sync"),
-]
-PATIENCE = 300_000  # ms; a busy machine is no failure
-
-browser_is_there = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed: page not tested")
 
 
 @pytest.fixture(scope="module")
@@ -41,41 +34,23 @@ def cases(data: xr.Dataset) -> list[CaseSummary]:
 def files(
     data: xr.Dataset, cases: list[CaseSummary], tmp_path_factory: pytest.TempPathFactory
 ) -> dict[str, str]:
-    return page.write(data, cases, tmp_path_factory.mktemp("page"))
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Browser]:
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield browser
-        browser.close()
+    return campaign_page.write(data, cases, tmp_path_factory.mktemp("page"))
 
 
 @pytest.fixture(scope="module", params=[1280, 390])
 def opened(chromium: Browser, files: dict[str, str], request: pytest.FixtureRequest) -> Iterator[Page]:
     """The page in a window of a width, without network; ends with a look at what the console said."""
-    context = chromium.new_context(viewport={"width": request.param, "height": 900}, offline=True)
-    opened = context.new_page()
-    opened.set_default_timeout(PATIENCE)
-    said: list[str] = []
-    opened.on("console", lambda message: said.append(message.text))
-    opened.on("pageerror", lambda error: said.append(str(error)))
-    opened.on("request", lambda r: None if r.url.startswith(("file:", "data:")) else said.append(r.url))
-    opened.goto(Path(files["report"]).as_uri())
-    opened.wait_for_selector("#nis .main-svg")
-    yield opened
-    assert said == []
-    context.close()
+    with browser.opened(chromium, Path(files["report"]).as_uri(), request.param) as page:
+        page.wait_for_selector("#nis .main-svg")
+        yield page
 
 
 def curves(opened: Page, plot: str) -> list[str]:
     """Names of the curves of a plot that have a drawn path."""
     names = opened.evaluate(f"document.getElementById('{plot}').data.flatMap(trace => trace.name || [])")
-    paths = opened.locator(f"#{plot} .scatterlayer .trace .js-line").evaluate_all(
-        "all => all.filter(l => l.getAttribute('d').length > 20 && parseFloat(l.style.strokeWidth)).length"
-    )
-    assert paths == len(names)
+    paths = browser.paths(opened, plot)
+    assert len(paths) == len(names)
+    assert all(len(path) > 20 for path in paths)
     return list(names)
 
 
@@ -132,7 +107,7 @@ def test_the_curves_are_those_of_the_data_set(opened: Page, data: xr.Dataset) ->
 @browser_is_there
 def test_the_tables_have_the_figures_of_the_data_set(opened: Page, cases: list[CaseSummary]) -> None:
     for i, case in enumerate(cases):
-        for j, rows in enumerate((table.figures(case), table.errors(case))):
+        for j, rows in enumerate((table.figures(case), table.certainty(case), table.errors(case))):
             shown = opened.locator("section").nth(i).locator("table").nth(j).locator("tbody tr")
             texts = shown.evaluate_all(
                 "rows => rows.map(row => [...row.cells].map(cell => cell.textContent))"
@@ -143,7 +118,7 @@ def test_the_tables_have_the_figures_of_the_data_set(opened: Page, cases: list[C
 @browser_is_there
 def test_nothing_is_wider_than_the_window(opened: Page) -> None:
     width = opened.evaluate("innerWidth")
-    assert opened.evaluate("document.documentElement.scrollWidth") <= width
+    browser.fits(opened, "light")
     plot = opened.locator("#error .main-svg").first.bounding_box()
     assert plot is not None
     assert 0.8 * width - 40 < plot["width"] <= width
@@ -152,9 +127,10 @@ def test_nothing_is_wider_than_the_window(opened: Page) -> None:
 @browser_is_there
 def test_the_plots_follow_a_dark_screen(opened: Page) -> None:
     opened.emulate_media(color_scheme="dark")
-    opened.wait_for_function("document.getElementById('error').layout.font.color === '#e6edf3'")
+    opened.wait_for_function("() => document.getElementById('error').layout.font.color === '#e6edf3'")
+    browser.fits(opened, "dark")
     opened.emulate_media(color_scheme="light")
-    opened.wait_for_function("document.getElementById('error').layout.font.color === '#24292f'")
+    opened.wait_for_function("() => document.getElementById('error').layout.font.color === '#24292f'")
 
 
 @node_is_there
@@ -188,12 +164,12 @@ def test_the_page_names_the_command_of_a_run_alone(files: dict[str, str]) -> Non
 
 def test_a_campaign_whose_runs_all_failed_has_a_page(data: xr.Dataset, tmp_path: Path) -> None:
     failed = data.assign(state=xr.full_like(data["state"], State.failed))
-    written = page.write(failed, list(summarise(failed)), tmp_path)
+    written = campaign_page.write(failed, list(summarise(failed)), tmp_path)
     assert "<td>5 / 5</td>" in Path(written["report"]).read_text(encoding="utf-8")
 
 
 def test_labels_cannot_end_the_script(data: xr.Dataset, cases: list[CaseSummary], tmp_path: Path) -> None:
     sly = data.assign_coords(filter=["</script><b>", "UKF"])
-    text = Path(page.write(sly, cases[:1], tmp_path)["report"]).read_text(encoding="utf-8")
+    text = Path(campaign_page.write(sly, cases[:1], tmp_path)["report"]).read_text(encoding="utf-8")
     content = text.split('id="content">')[1].split("</script>")[0]
     assert json.loads(content)["filters"][0] == "</script><b>"

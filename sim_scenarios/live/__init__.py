@@ -1,0 +1,1 @@
+"""A run that is watched while it goes on."""
