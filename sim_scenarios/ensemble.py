@@ -21,11 +21,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import provenance, recording, simulation
+from sim_scenarios.campaigns.measured import Measured
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
 from sim_scenarios.metrics import figures
-from sim_scenarios.metrics.errors import ERRORS
 from sim_scenarios.metrics.statistics import nees_of
 from sim_scenarios.recordings.residuals import residuals as residuals_of
 from sim_scenarios.runner import Runner
@@ -74,7 +74,7 @@ def variables() -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class Ensemble:
+class Ensemble(Measured):
     """Runs of a scenario.
 
     Attributes
@@ -105,26 +105,13 @@ class Ensemble:
         """The evaluation window of the scenario [s]."""
         return figures.window(self.first)
 
-    def largest_difference(self, one: str, other: str) -> float:
-        """Largest difference of any error of two filters at any time, in SI units."""
-        differences = [
-            np.max(np.abs(error.of(a) - error.of(b)))
-            for name in ("heading", "tilt", "velocity", "position")
-            for error in [ERRORS[name]]
-            for a, b in zip(self.filters[one], self.filters[other], strict=True)
-        ]
-        return float(np.max(differences))
+    def runs(self, label: str) -> Sequence[xr.Dataset]:
+        """Those of a filter."""
+        return self.filters[label]
 
-    def figure(self, name: str, label: str, window: Window | None = None, over: str | None = None) -> float:
-        """A figure of a filter over all runs, in the unit in which people read it; over another filter's."""
-        figure, window = figures.known()[name], window or self.window
-        value = figure.of_runs(self.filters[label], window)
-        return value / (figure.of_runs(self.filters[over], window) if over else figure.reading.size)
-
-    def of_each(self, name: str, label: str, window: Window | None = None) -> Array:
-        """A figure of each run of a filter, in the unit in which people read it, shape (runs,)."""
-        figure = figures.known()[name]
-        return figure.of_each(self.filters[label], window or self.window) / figure.reading.size
+    def each(self, figure: figures.Figure, label: str, window: Window | None) -> Array:
+        """A figure of each run of a filter, in SI units, shape (runs,)."""
+        return figure.of_each(self.filters[label], window or self.window)
 
 
 def ensemble(

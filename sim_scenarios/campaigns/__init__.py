@@ -22,8 +22,10 @@ from typing import Any
 import xarray as xr
 
 from sim_scenarios.campaigns import execution, store
-from sim_scenarios.campaigns.execution import Effort, Report
-from sim_scenarios.campaigns.plan import Case, Plan, cases, fingerprint, load_plan
+from sim_scenarios.campaigns.execution import Effort, Report, Workers
+from sim_scenarios.campaigns.expectations import Row, rows
+from sim_scenarios.campaigns.measured import Stored
+from sim_scenarios.campaigns.plan import Case, Plan, cases, expected_of, fingerprint, load_plan
 from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
@@ -52,7 +54,7 @@ class Campaign:
         bench = Bench(plan.period, master, fmus)
         for case in made:
             bench.runner.uses_container(case.scenario)
-        return cls(plan, made, folder, master, execution.fmu_versions(fmus, made), fmus)
+        return cls(plan, made, folder, master, execution.versions(fmus, plan, made), fmus)
 
     def run(
         self,
@@ -62,36 +64,47 @@ class Campaign:
         insecure: bool = False,
         overwrite: bool = False,
         report: Report = lambda _: None,
+        working: Workers | None = None,
     ) -> Effort:
-        """Run all that is missing; workers are started, or asked, only if something is.
+        """Run all that is missing; workers are started, or asked, only if something is, unless some work.
 
         With `overwrite`, results of another campaign in the folder give way, as late as this one's can begin;
         its own results are kept and gone on with. The folder is this call's alone meanwhile.
         """
         with reserved(self.folder, "campaign"):
-            return self._run(workers, scheduler, insecure, overwrite, report)
+            identity = fingerprint(self.plan, self.cases, self.versions)
+            effort = Effort(0, 0, 0.0, 0.0)
+            there, damaged = self._found(identity, overwrite)
+            if working is not None:
+                effort = self._work(working, identity, there, report)
+            elif not there or any(store.unfinished(self.path)):
+                try:
+                    with execution.workers(workers, scheduler, insecure) as working:
+                        effort = self._work(working, identity, there, report)
+                finally:
+                    if scheduler is None:  # its workers have ended
+                        store.sweep(self.path)
+            store.sweep(self.path)
+            return replace(effort, damaged=tuple(damaged))
 
-    def _run(
-        self, workers: int | None, scheduler: str | None, insecure: bool, overwrite: bool, report: Report
-    ) -> Effort:
-        identity = fingerprint(self.plan, self.cases, self.versions)
-        effort = Effort(0, 0, 0.0, 0.0)
-        there, damaged = self._found(identity, overwrite)
-        if not there or any(store.unfinished(self.path)):
-            try:
-                with execution.workers(workers, scheduler, insecure) as working:
-                    if not there:
-                        bounds = execution.bounds(working, self.cases, self.fmus)
-                        store.clear(self.folder)
-                        store.create(self.folder, self.plan, self.cases, identity, bounds, self.fmus.plant)
-                    effort = execution.execute(
-                        working, self.path, self.plan, self.cases, self.master, dict(self.versions), report
-                    )
-            finally:
-                if scheduler is None:  # its workers have ended
-                    store.sweep(self.path)
-        store.sweep(self.path)
-        return replace(effort, damaged=tuple(damaged))
+    def _work(self, working: Workers, identity: str, there: bool, report: Report) -> Effort:
+        if not there:
+            bounds = execution.bounds(working, self.cases, self.fmus)
+            store.clear(self.folder)
+            store.create(self.folder, self.plan, self.cases, identity, bounds, self.fmus.plant)
+        return execution.execute(
+            working, self.path, self.plan, self.cases, self.master, dict(self.versions), report
+        )
+
+    def measured(self) -> list[Row]:
+        """What is expected of it, beside what its runs have measured."""
+        data = store.open_results(self.folder)
+        return [
+            row
+            for expectations in self.plan.expect
+            for case in expected_of(expectations, self.cases)
+            for row in rows(expectations, Stored(data, case.label), case.label)
+        ]
 
     def _found(self, identity: str, overwrite: bool) -> tuple[bool, list[str]]:
         """Whether results of this campaign are there to go on with, and their chunks that were damaged."""

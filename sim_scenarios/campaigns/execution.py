@@ -36,6 +36,7 @@ from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.processes import processes
 from sim_scenarios.stepping import Master
+from sim_scenarios.version import PACKAGE, sources
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -177,7 +178,7 @@ class Workbench:
     versions : dict of str to str
         FMUs that the workers must have.
     figures : list of str
-        Names of those that the workers must know.
+        Variables of those that the workers must know.
     attributes : list of dict
         Of the runs of each case.
     """
@@ -192,11 +193,11 @@ class Workbench:
 
     def set_up(self) -> tuple[Bench, store.Writer]:
         """Load the FMUs, which must be those of the campaign, and open the data set."""
-        bench = Bench(self.plan.period, self.master)
-        found = fmu_versions(bench.fmus, self.cases)
+        bench = Bench(self.plan.period, self.master, asked=self.plan.asked)
+        found = versions(bench.fmus, self.plan, self.cases)
         if found != self.versions:
             raise InputError(f"a worker has other FMUs than this process: {found}, not {self.versions}")
-        if differing := set(self.figures).symmetric_difference(figures()):
+        if differing := set(self.figures).symmetric_difference(figures(self.plan.asked)):
             raise InputError(f"a worker has other figures than this process: {', '.join(sorted(differing))}")
         return bench, store.Writer(self.path)
 
@@ -270,7 +271,7 @@ def execute(
 ) -> Effort:
     """Run all that is missing in a data set; `report` is called after every batch."""
     path = path.resolve()
-    bench = Workbench(path, plan, made, master, versions, [*figures()], store.run_attributes(path))
+    bench = Workbench(path, plan, made, master, versions, [*figures(plan.asked)], store.run_attributes(path))
     missing = list(store.unfinished(path))
     total = plan.runs * len(made)
     done = total - sum(len(batch) for batch in missing)
@@ -285,10 +286,10 @@ def execute(
     return Effort(finished, workers.count, wall, work, tuple(dict.fromkeys(failures)))
 
 
-def fmu_versions(fmus: Fmus, made: Sequence[Case]) -> dict[str, str]:
-    """Hash of every FMU that the cases use, by name or path."""
+def versions(fmus: Fmus, plan: Plan, made: Sequence[Case]) -> dict[str, str]:
+    """Hash of every FMU that the cases use, by name or path; of this package, if something is expected."""
     used = dict.fromkeys(name for case in made for name in case.scenario.fmu_names())
-    return {name: fmus[name].version for name in used}
+    return {**{name: fmus[name].version for name in used}, **({PACKAGE: sources()} if plan.expect else {})}
 
 
 def _bound(made: Sequence[Case], index: int) -> xr.Dataset:
@@ -321,6 +322,6 @@ def _run_batch(pickled: bytes, batch: Batch) -> Done:
     case, attributes = workbench.cases[batch.case], workbench.attributes[batch.case]
     seeds = range(workbench.plan.seed + batch.start, workbench.plan.seed + batch.stop)
     outcomes = [bench.run(case, seed, attributes) for seed in seeds]
-    writer.write(batch, *runs.arranged(outcomes, filter_labels(workbench.cases), writer.times))
+    writer.write(batch, *runs.arranged(outcomes, filter_labels(workbench.cases), writer.shapes))
     failures = tuple(outcome.failure for outcome in outcomes if outcome.failure)
     return Done(len(batch), failures, time.monotonic() - start)

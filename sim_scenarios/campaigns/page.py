@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from sim_scenarios import markdown
 from sim_scenarios.campaigns import pictures, store, table
+from sim_scenarios.campaigns.expectations import Expectations, Row
 from sim_scenarios.campaigns.quantities import ERRORS
 from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
 from sim_scenarios.folders import filled
@@ -29,20 +30,30 @@ MOST_NUMBERS: Final = 2_000_000
 """Numbers on the page, for which the curves of a large campaign have fewer points."""
 
 
-def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[str, str]:
-    """Write page, pictures and tables into a folder; their paths."""
+def write(
+    data: xr.Dataset,
+    cases: Sequence[CaseSummary],
+    folder: Path,
+    expect: Sequence[Expectations] = (),
+    measured: Sequence[Row] = (),
+) -> dict[str, str]:
+    """Write page, pictures and tables into a folder, with what is expected and was measured; their paths."""
+    expected = table.expectations(measured)
     names = file_names(case.label for case in cases)
     with filled(folder, anew=True) as draft:
         for case in cases:
             pictures.draw(case, draft / names[case.label])
-        tables = [markdown.table(rows) for _, rows in _overviews(cases)]
-        (draft / "table.md").write_text("\n".join(tables), encoding="utf-8")
-        (draft / "report.html").write_text(_html(data, cases), encoding="utf-8")
+        tables = [rows for rows in (expected, *(rows for _, rows in _overviews(cases))) if rows]
+        (draft / "table.md").write_text("\n".join(map(markdown.table, tables)), encoding="utf-8")
+        reasons = [reason for one in expect for reason in one.reasons()]
+        (draft / "report.html").write_text(_html(data, cases, expected, reasons), encoding="utf-8")
     there = {"report": "report.html", "table": "table.md", "data": store.NAME}
     return {what: str(folder / name) for what, name in there.items()}
 
 
-def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
+def _html(
+    data: xr.Dataset, cases: Sequence[CaseSummary], expected: table.Rows, reasons: Sequence[str]
+) -> str:
     about = json.loads(data.attrs["cases"])
     return render(
         "campaign.html",
@@ -51,6 +62,8 @@ def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
         runs=data.attrs["runs"],
         seed=data.attrs["seed"],
         cases=[(case, _tables(case)) for case in cases],
+        expected=expected,
+        reasons=reasons,
         overviews=_overviews(cases),
         about={label: {**case, "command": _command(case, data)} for label, case in about.items()},
         **interactive("campaign.js", _content(data, cases)),

@@ -28,6 +28,8 @@ Filters of the campaign's own stand in tables `[filters."name"]` with their para
 `filter_fmu`, as in the table `compare` of a scenario (what is set or drawn for the filter is not for these).
 With an entry `scenarios` (a list of names) they are run in these alone; a scenario without any is left out.
 
+What is expected of the figures of filters stands in tables `[[expect]]` (see `expectations`).
+
 A case with a fault of the plant (`fault.*`) is held against the same scenario without it: that is a case too,
 once for all faults of the scenario, and runs first.
 """
@@ -47,7 +49,8 @@ from pydantic import BeforeValidator, Field, ValidationError
 
 from sim_scenarios import faults, toml
 from sim_scenarios.campaigns.draws import Distribution, Draw, draw
-from sim_scenarios.campaigns.quantities import SERIES, figures
+from sim_scenarios.campaigns.expectations import Expectations, asked, known_name
+from sim_scenarios.campaigns.quantities import SERIES, Asked, figures
 from sim_scenarios.catalogue import CAMPAIGNS, files, located_filters, scenario_path
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
@@ -127,6 +130,12 @@ class Plan(Table):
     draw: Draws = Field(default={})
     grid: Values = Field(default={})
     cases: dict[Label, NamedCase] = Field(default={})
+    expect: tuple[Expectations, ...] = ()
+
+    @property
+    def asked(self) -> Asked:
+        """What is kept of its runs because something is expected of them."""
+        return asked(self.expect)
 
     @property
     def batch(self) -> int:
@@ -236,7 +245,14 @@ def cases(plan: Plan, fmus: Fmus) -> list[Case]:
     if twice := {label for label in labels if labels.count(label) > 1}:
         raise InputError(f"scenarios: {', '.join(sorted(twice))} is named more than once")
     _check_reference(plan, filter_labels(made))
+    for expectations in plan.expect:
+        _check_expectations(expectations, made)
     return made
+
+
+def expected_of(expectations: Expectations, made: Sequence[Case]) -> list[Case]:
+    """Cases that expectations are of."""
+    return [case for case in made if not expectations.cases or case.label in expectations.cases]
 
 
 def filter_labels(made: Sequence[Case]) -> list[str]:
@@ -247,10 +263,10 @@ def filter_labels(made: Sequence[Case]) -> list[str]:
 def fingerprint(plan: Plan, made: Sequence[Case], versions: Mapping[str, str]) -> str:
     """Hash of all that decides what a campaign computes and keeps."""
     content = {
-        "plan": plan.model_dump(mode="json", exclude={"description", "reference", "instants"}),
+        "plan": plan.model_dump(mode="json", exclude={"description", "reference", "instants", "expect"}),
         "cases": {case.label: case.scenario.model_dump(mode="json") for case in made},
         "versions": dict(versions),
-        "kept": [*SERIES, *figures()],
+        "kept": [*SERIES, *figures(plan.asked), *(["errors"] if plan.asked.errors else [])],
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
@@ -442,6 +458,18 @@ def _check_reference(plan: Plan, known: Sequence[str]) -> None:
     if plan.reference is not None and plan.reference not in known:
         hint = did_you_mean(plan.reference, list(known)) or f"; there are {', '.join(known)}"
         raise InputError(f"reference: there is no filter '{plan.reference}'{hint}")
+
+
+def _check_expectations(expectations: Expectations, made: Sequence[Case]) -> None:
+    labels = [case.label for case in made]
+    try:
+        for label in expectations.cases:
+            known_name("case", label, labels)
+        for case in expected_of(expectations, made):
+            for label in expectations.filters():
+                known_name("filter", label, list(case.filters()))
+    except ValueError as error:
+        raise InputError(f"expect: {error}") from None
 
 
 def _text(value: object) -> str:

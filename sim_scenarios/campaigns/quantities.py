@@ -6,21 +6,24 @@ the recording period of the scenario, before the errors over time are thinned ou
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from sim_scenarios import recording
 from sim_scenarios.errors import InputError
 from sim_scenarios.metrics import certainty
 from sim_scenarios.metrics.certainty import QUANTITIES
 from sim_scenarios.metrics.errors import ERRORS as ALL_ERRORS
 from sim_scenarios.metrics.errors import Error
-from sim_scenarios.metrics.figures import FIGURES, GROUP, OUTPUTS, Figure, over_evaluation, own
+from sim_scenarios.metrics.figures import FIGURES, GROUP, OUTPUTS, Figure, known, own
+from sim_scenarios.metrics.figures import window as evaluation
 from sim_scenarios.metrics.statistics import is_measured, tells_nis
-from sim_scenarios.timeline import RESOLUTION
+from sim_scenarios.timeline import RESOLUTION, Window
 
 Array = NDArray[np.float64]
 
@@ -73,9 +76,66 @@ KEPT: Final = (
 )
 """Figures that every campaign keeps, besides those that other packages add."""
 
+RECORDED: Final = "recorded."
+"""Beginning of the names of the errors at every recorded instant."""
 
-def figures() -> dict[str, Figure]:
-    """Figures that are kept of every run, by name.
+
+@dataclass(frozen=True)
+class Kept:
+    """A figure that is kept of every run, over a window [s], or over that of the evaluation."""
+
+    figure: Figure
+    window: Window | None = None
+
+    @property
+    def name(self) -> str:
+        """Of its variable."""
+        return variable(self.figure.name, self.window)
+
+    @property
+    def description(self) -> str:
+        """What it is, and when."""
+        if self.window is None:
+            return self.figure.description
+        return "{}, {:g} to {:g} s".format(self.figure.description, *self.window)
+
+    def of(self, run: xr.Dataset) -> float:
+        """The figure of a run."""
+        return self.figure.of(run, self.window or evaluation(run))
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is kept of the runs of a campaign because something is expected of it.
+
+    Attributes
+    ----------
+    figures : tuple of tuple of str and Window or None
+        Names of figures, each with its window.
+    errors : bool
+        Whether the errors at every recorded instant are kept.
+    """
+
+    figures: tuple[tuple[str, Window | None], ...] = ()
+    errors: bool = False
+
+    def __iter__(self) -> Iterator[Kept]:
+        """The figures, and those that they are made of over many runs."""
+        for name, window in self.figures:
+            one = known()[name]
+            yield from (Kept(each, window) for each in (one, *one.parts))
+
+
+NOTHING: Final = Asked()
+
+
+def variable(figure: str, window: Window | None) -> str:
+    """Name of the variable of a figure over a window."""
+    return figure if window is None else "{}.{:g}-{:g}".format(figure, *window)
+
+
+def figures(asked: Asked = NOTHING) -> dict[str, Kept]:
+    """Figures that are kept of every run, by the names of their variables.
 
     Raises
     ------
@@ -86,15 +146,17 @@ def figures() -> dict[str, Figure]:
         raise InputError(
             f"figure {taken[0]} (entry point {GROUP}): a campaign has another variable of that name"
         )
-    return {**{name: FIGURES[name] for name in KEPT}, **own()}
+    every = {**{name: Kept(FIGURES[name]) for name in KEPT}, **{n: Kept(one) for n, one in own().items()}}
+    return {**every, **{one.name: one for one in asked}}
 
 
-def outputs() -> tuple[str, ...]:
+def outputs(asked: Asked = NOTHING) -> tuple[str, ...]:
     """Outputs of a filter that `kept` needs at every recorded instant or fix, where it has them."""
-    return tuple(dict.fromkeys((*OUTPUTS, *(name for one in figures().values() for name in one.needs))))
+    needs = (name for one in figures(asked).values() for name in one.figure.needs)
+    return tuple(dict.fromkeys((*OUTPUTS, *needs)))
 
 
-def kept(run: xr.Dataset, period: float) -> dict[str, Array]:
+def kept(run: xr.Dataset, period: float, asked: Asked = NOTHING) -> dict[str, Array]:
     """What a campaign keeps of one filter of a run.
 
     Parameters
@@ -103,12 +165,14 @@ def kept(run: xr.Dataset, period: float) -> dict[str, Array]:
         Of one filter, with the attributes of `sim_scenarios.run`.
     period : float
         Between the times of the series [s], a multiple of the recording period.
+    asked : Asked
+        What is expected of the campaign.
 
     Returns
     -------
     dict of str to ndarray
-        Series, shape (times,), and figures, shape (); without the series of NIS of a filter that does not
-        tell it.
+        Series, shape (times,), figures, shape (), and errors, shape (instants[, 3]); without the series of
+        NIS of a filter that does not tell it.
     """
     stride = round(period / float(run["time"].values[1] - run["time"].values[0]))
     series = {f"{name}_error": error.size(run)[::stride] for name, error in ERRORS.items()}
@@ -117,8 +181,8 @@ def kept(run: xr.Dataset, period: float) -> dict[str, Array]:
     series |= {f"{name}_deviation": values[::stride] for name, values in deviations.items()}
     if tells_nis(run):
         series["nis"], series["nis_channels"] = _nis(run, period, len(series["heading_sigma"]))
-    figure = over_evaluation(run)
-    return {**series, **{name: np.asarray(figure(name)) for name in figures()}}
+    errors = {f"{RECORDED}{name}": run[name].values for name in recording.ERRORS} if asked.errors else {}
+    return {**series, **{name: np.asarray(one.of(run)) for name, one in figures(asked).items()}, **errors}
 
 
 def _sigma(run: xr.Dataset, name: str) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from sim_scenarios import faults, provenance, recording, scenario_bound
 from sim_scenarios.campaigns.plan import Case, filters_of
-from sim_scenarios.campaigns.quantities import SERIES, figures, kept, outputs
+from sim_scenarios.campaigns.quantities import NOTHING, Asked, kept, outputs
 from sim_scenarios.campaigns.store import State
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmus
@@ -43,12 +43,20 @@ class Bench:
     master : Master
     fmus : Fmus, optional
         Those that are loaded already.
+    asked : Asked
+        What is kept of a run besides.
     """
 
-    def __init__(self, period: float, master: Master = Master.auto, fmus: Fmus | None = None) -> None:
-        self.runner = Runner(outputs(), master, fmus)
+    def __init__(
+        self,
+        period: float,
+        master: Master = Master.auto,
+        fmus: Fmus | None = None,
+        asked: Asked = NOTHING,
+    ) -> None:
+        self.runner = Runner(outputs(asked), master, fmus)
         self.fmus = self.runner.fmus
-        self._period = period
+        self._period, self._asked = period, asked
 
     def run(self, case: Case, seed: int, attributes: Mapping[str, Any]) -> Outcome:
         """One run of a case with all its filters; a filter that fails does not touch the others."""
@@ -68,7 +76,7 @@ class Bench:
             one = recording.of_filter(data, label)
             handed = hand_over.of_run(one)
             if handed is None or handed.in_time:
-                state[label], values[label] = State.finished, kept(one, self._period)
+                state[label], values[label] = State.finished, kept(one, self._period, self._asked)
             else:
                 state[label] = State.failed
                 failures.append(f"{label}: {handed.failure()}")
@@ -93,18 +101,18 @@ class Bench:
 
 
 def arranged(
-    outcomes: list[Outcome], filters: list[str], times: int
+    outcomes: Sequence[Outcome], filters: Sequence[str], shapes: Mapping[str, tuple[int, ...]]
 ) -> tuple[dict[str, Array], NDArray[np.int8]]:
-    """Values and states of runs as they are stored: shapes (filters, runs[, times]) and (filters, runs)."""
+    """Values and states of runs as they are stored, with the shape (filters, runs, ...) of each variable."""
     shape = len(filters), len(outcomes)
-    values = {name: np.full((*shape, times), np.nan) for name in SERIES}
-    values |= {name: np.full(shape, np.nan) for name in figures()}
+    values = {name: np.full((*shape, *rest), np.nan) for name, rest in shapes.items()}
     state = np.full(shape, State.absent, dtype=np.int8)
     for r, outcome in enumerate(outcomes):
         for f, label in enumerate(filters):
             state[f, r] = outcome.state.get(label, State.absent)
             for name, value in outcome.kept.get(label, {}).items():
-                values[name][(f, r, slice(len(value))) if value.ndim else (f, r)] = value
+                at: tuple[int | slice, ...] = (f, r, *map(slice, value.shape))
+                values[name][at] = value
     return values, state
 
 

@@ -4,6 +4,7 @@
     dimension `filter`     filters by label; one that a case does not compare stays empty
     dimension `run`        coordinate `seed`
     dimension `time`       every `period` seconds
+    dimension `instant`    recorded instants of the errors `recorded.*`, where something expected needs them
 
 What is drawn for a run stands in `drawn.<parameter>` (scenario, run), the end of its faults in `fault_end`.
 
@@ -31,15 +32,15 @@ import zarr
 from numcodecs import CRC32, Zstd
 from numpy.typing import NDArray
 
-from sim_scenarios import faults
+from sim_scenarios import connection, faults, recording
 from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
-from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, SERIES, figures
+from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, RECORDED, SERIES, figures
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu
 from sim_scenarios.folders import discard, filled, remove
 from sim_scenarios.metrics.statistics import rms
 from sim_scenarios.scenario import Scenario
-from sim_scenarios.timeline import RESOLUTION, within
+from sim_scenarios.timeline import RESOLUTION, instants, within
 
 NAME: Final = "campaign.zarr"
 DRAWN: Final = "drawn."
@@ -50,9 +51,10 @@ _CODEC: Final = "compressors" if ZARR_3 else "compressor"
 """What xarray calls the codec that is applied last."""
 
 
-def of_runs() -> tuple[str, ...]:
-    """Variables that the runs fill."""
-    return (*SERIES, *figures(), "state")
+def of_runs(variables: Mapping[Any, Any]) -> list[str]:
+    """Those of the variables of a data set, or of its arrays, that the runs fill; their state is the last."""
+    names = [str(name) for name, one in variables.items() if one.ndim >= len(RUNS) and name != "state"]
+    return [*names, "state"]
 
 
 class State(IntEnum):
@@ -103,7 +105,7 @@ def create(
     """Data set of a campaign without results; it appears in the folder as a whole or not at all."""
     template = _template(plan, made, identity, bounds, plant)
     encoding: dict[Any, dict[str, Any]] = {name: {_CODEC: CRC32()} for name in template.variables}
-    for name in of_runs():
+    for name in of_runs(template.variables):
         encoding[name]["filters"] = [Zstd()]  # is read after the checksum, and written before it
     with filled(folder) as draft:
         template.to_zarr(
@@ -127,7 +129,7 @@ def discard_damaged(path: Path) -> list[str]:
     A chunk that no run fills cannot be made again, and the data set is refused.
     """
     arrays = dict(_group(path, "r").arrays())
-    for name in arrays.keys() - set(of_runs()):
+    for name in arrays.keys() - set(of_runs(arrays)):
         for index in np.ndindex(arrays[name].cdata_shape):
             if not _is_whole(path, arrays[name], name, index):
                 where = path / _chunk(name, index)
@@ -146,8 +148,8 @@ def _damaged(path: Path, arrays: Mapping[str, Any], index: tuple[int, ...]) -> l
     elif (arrays["state"].get_block_selection(index) == State.missing).any():
         return []
     else:
-        at = {name: (*index, *[0] * (arrays[name].ndim - len(index))) for name in of_runs()}
-        damaged = [_chunk(n, at[n]) for n in of_runs() if not _is_whole(path, arrays[n], n, at[n])]
+        at = {name: (*index, *[0] * (arrays[name].ndim - len(index))) for name in of_runs(arrays)}
+        damaged = [_chunk(n, where) for n, where in at.items() if not _is_whole(path, arrays[n], n, where)]
     if damaged:
         remove(state)  # first: from now on the runs are missing
     for chunk in damaged:
@@ -197,14 +199,15 @@ class Writer:
 
     def __init__(self, path: Path) -> None:
         group = _group(path, "r+")
-        self._arrays = {name: _writing_all(group[name]) for name in of_runs()}
+        arrays = dict(group.arrays())
+        self._arrays = {name: _writing_all(arrays[name]) for name in of_runs(arrays)}
         self._state = self._arrays.pop("state")
-        self.times = int(group["time"].shape[0])
+        self.shapes = {name: array.shape[len(RUNS) :] for name, array in self._arrays.items()}
 
     def write(self, batch: Batch, values: Mapping[str, NDArray[Any]], state: NDArray[np.int8]) -> None:
         """Store a batch, its state last.
 
-        The shapes are (filters, runs) for states and figures, (filters, runs, times) for series.
+        The shapes are (filters, runs) for states, and (filters, runs, ...) as `shapes` has it for values.
         """
         region = batch.case, slice(None), slice(batch.start, batch.stop)
         for name, array in self._arrays.items():
@@ -243,7 +246,9 @@ def _template(
     filters = filter_labels(made)
     steps = max(int(case.scenario.duration / plan.period + 1e-9) for case in made)
     time = plan.period * np.arange(steps + 1, dtype=np.float64)
+    recorded = _recorded(made if plan.asked.errors else [])
     shape = {"scenario": len(made), "filter": len(filters), "run": plan.runs, "time": len(time)}
+    shape |= {"instant": recorded.shape[1], "axis3": 3}
     chunks = {**shape, "scenario": 1, "run": plan.batch}
 
     def empty(dimensions: Sequence[str], dtype: str, fill: float) -> Any:
@@ -256,15 +261,24 @@ def _template(
         for name, about in SERIES.items()
     }
     single = {
-        name: (RUNS, empty(RUNS, "f8", np.nan), _attributes(one.unit, one.description))
-        for name, one in figures().items()
+        name: (RUNS, empty(RUNS, "f8", np.nan), _attributes(one.figure.unit, one.description))
+        for name, one in figures(plan.asked).items()
+    }
+    errors = {
+        f"{RECORDED}{name}": (dims, empty(dims, "f8", np.nan), {"description": f"{name} at every instant"})
+        for name in (recording.ERRORS if plan.asked.errors else ())
+        for dims in [(*RUNS, "instant", *(() if name == "heading_error" else ("axis3",)))]
     }
     state = {
         "description": "What became of the run",
         "flag_values": np.array(list(State), dtype=np.int8),
         "flag_meanings": " ".join(s.name for s in State),
     }
-    data: xr.Dataset = xr.Dataset({**series, **single, "state": (RUNS, empty(RUNS, "i1", 0), state)})
+    data: xr.Dataset = xr.Dataset({**series, **single, **errors})
+    data["state"] = RUNS, empty(RUNS, "i1", 0), state
+    if errors:
+        about = _attributes("s", "Recorded instants; NaN beyond the end of the runs")
+        data[f"{RECORDED}time"] = (("scenario", "instant"), recorded, about)
     data = data.assign_coords(
         scenario=(
             "scenario",
@@ -278,6 +292,18 @@ def _template(
     data = data.assign({**_bounds(bounds, time), **_drawn(plan, made, plant)})
     data.attrs = _about(plan, made, identity, bounds)
     return data
+
+
+def _recorded(made: Sequence[Case]) -> NDArray[np.float64]:
+    """Recorded instants of each case [s], filled up with NaN, shape (cases, instants)."""
+    times = [
+        instants(one.duration, one.communication_step, connection.stride(one))
+        for one in (case.scenario for case in made)
+    ]
+    recorded = np.full((len(made), max(map(len, times), default=0)), np.nan)
+    for row, time in zip(recorded, times, strict=True):
+        row[: len(time)] = time
+    return recorded
 
 
 def _attributes(unit: str, description: str) -> dict[str, str]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
+from sim_scenarios.campaigns.expectations import Row
 from sim_scenarios.campaigns.quantities import ERRORS
 from sim_scenarios.campaigns.statistics import CaseSummary, Summary
 from sim_scenarios.metrics.certainty import QUANTITIES
@@ -114,6 +115,13 @@ def own_figures(case: CaseSummary) -> Rows:
         values = [interval(one.own[name] / figure.reading.size) for name, figure in figures.items()]
         rows.append([label, *values])
     return rows
+
+
+def expectations(rows: Sequence[Row], digits: int = 3) -> Rows:
+    """What is expected beside what was measured, the heading of the table first; empty without any."""
+    heading = ["case", "filter", "figure", "expected", "measured", "95 %", "single runs", ""]
+    lines = [[one.case, *one.cells(digits), "**missed**" if one.missed else "ok"] for one in rows]
+    return [heading, *lines] if lines else []
 
 
 def by_scenario(cases: Sequence[CaseSummary]) -> Rows:

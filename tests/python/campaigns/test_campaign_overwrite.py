@@ -37,8 +37,7 @@ def finished(fmus: Fmus, tmp_path: Path) -> Campaign:
     for batch in store.unfinished(campaign.path):
         writer = store.Writer(campaign.path)
         shape = store.open_results(tmp_path).sizes["filter"], len(batch)
-        values = {name: np.ones((*shape, writer.times)) for name in store.SERIES}
-        values |= {name: np.ones(shape) for name in store.figures()}
+        values = {name: np.ones((*shape, *rest)) for name, rest in writer.shapes.items()}
         writer.write(batch, values, np.full(shape, State.finished, np.int8))
     return campaign
 

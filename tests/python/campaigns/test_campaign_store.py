@@ -119,8 +119,7 @@ def original(fmus: Fmus, tmp_path_factory: pytest.TempPathFactory) -> Path:
     writer, filters = store.Writer(path), store.open_results(folder).sizes["filter"]
     for batch in list(store.unfinished(path))[:-1]:
         value = float(batch.start)
-        values = {name: np.full((filters, 1, writer.times), value) for name in store.SERIES}
-        values |= {name: np.full((filters, 1), value) for name in store.figures()}
+        values = {name: np.full((filters, 1, *shape), value) for name, shape in writer.shapes.items()}
         values |= {name: values[name] * np.nan for name in EMPTY}
         writer.write(batch, values, np.full((filters, 1), State.finished, np.int8))
     return path
@@ -191,8 +190,7 @@ def test_a_batch_is_missing_until_its_state_is_written(
     assert missing == [Batch(0, run, run + 1) for run in range(5)]
     writer = store.Writer(path)
     filters = store.open_results(tmp_path).sizes["filter"]
-    values = {name: np.ones((filters, 1, writer.times)) for name in store.SERIES}
-    values |= {name: np.ones((filters, 1)) for name in store.figures()}
+    values = {name: np.ones((filters, 1, *shape)) for name, shape in writer.shapes.items()}
     writer.write(missing[3], values, np.full((filters, 1), State.finished, np.int8))
     assert list(store.unfinished(path)) == [*missing[:3], missing[4]]
     assert store.counts(path)[State.finished] == filters
