@@ -1,18 +1,15 @@
-"""Many runs of a scenario in a pool of processes, and the figures that they make together.
+"""Many runs of a scenario on the workers of a campaign, and the figures that they make together.
 
-Of a run all is kept that figures (`metrics.figures`) are made of, at every recorded instant and fix: this is
-for bands and papers, whose figures take any window. Campaigns (`sim_scenarios.campaigns`) keep the figures of
-one window, on disk, and know bounds, resuming and clusters.
+Of a run all is kept that figures and pictures are made of, at every recorded instant and fix: this is for
+papers, which draw it. Campaigns (`sim_scenarios.campaigns`) keep figures, and what is expected of them.
 """
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -21,6 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import provenance, recording, simulation
+from sim_scenarios.campaigns.execution import Workers
 from sim_scenarios.campaigns.measured import Measured
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.errors import InputError
@@ -115,7 +113,7 @@ class Ensemble(Measured):
 
 
 def ensemble(
-    pool: ProcessPoolExecutor,
+    workers: Workers,
     scenario: str | Path,
     seeds: Sequence[int],
     labels: Sequence[str],
@@ -128,8 +126,8 @@ def ensemble(
 
     Parameters
     ----------
-    pool : ProcessPoolExecutor
-        Of `processes.processes`.
+    workers : Workers
+        Of `campaigns.execution.workers`.
     scenario : str or Path
         As for `sim_scenarios.run`.
     seeds : sequence of int
@@ -142,21 +140,23 @@ def ensemble(
         Called with the completed share.
     kept : Path, optional
         Folder that keeps what is done: a run that is there is not done again. It holds the runs of one
-        scenario with one choice of settings and filters.
+        scenario with one choice of settings and filters; the workers must see it under the same path.
     residuals : Path, optional
         Recording whose residuals are added to the increments of the plant, in each run from another place on.
     """
-    batches = _batches(seeds)
-    futures: list[Future[list[xr.Dataset]]] = [
-        pool.submit(_runs, scenario, batch, labels, dict(settings or {}), kept, residuals)
-        for batch in batches
-    ]
-    done = 0
-    for future in as_completed(futures):
-        done += len(future.result())
-        progress(done / len(seeds))
-    runs = [run for future in futures for run in future.result()]
-    return gathered(runs)
+    do = partial(
+        _runs,
+        scenario=scenario,
+        labels=labels,
+        settings=dict(settings or {}),
+        kept=kept and kept.resolve(),
+        residuals=residuals and residuals.resolve(),
+    )
+    done: dict[int, xr.Dataset] = {}
+    for batch, runs in workers.results(do, _batches(seeds, workers.count)):
+        done |= zip(batch, runs, strict=True)
+        progress(len(done) / len(seeds))
+    return gathered([done[seed] for seed in seeds])
 
 
 def gathered(runs: Sequence[xr.Dataset]) -> Ensemble:
@@ -181,14 +181,14 @@ def run_file(kept: Path, seed: int) -> Path:
 
 
 def _runs(
-    scenario: str | Path,
     seeds: Sequence[int],
+    scenario: str | Path,
     labels: Sequence[str],
     settings: Mapping[str, object],
     kept: Path | None,
     residuals: Path | None,
 ) -> list[xr.Dataset]:
-    """Runs in a process of the pool."""
+    """Runs on a worker."""
     runs = []
     for seed in seeds:
         file = run_file(kept, seed) if kept else None
@@ -259,7 +259,7 @@ def _residuals(path: Path, period: float, seed: int) -> dict[str, Array]:
     return {name: np.roll(values, -start) for name, values in rest.items()}
 
 
-def _batches(seeds: Sequence[int], most: int = 4) -> list[Sequence[int]]:
+def _batches(seeds: Sequence[int], workers: int, most: int = 4) -> list[tuple[int, ...]]:
     """Seeds in groups, small enough to be shared out evenly."""
-    size = max(1, min(most, len(seeds) // (4 * (os.cpu_count() or 1))))
-    return [seeds[first : first + size] for first in range(0, len(seeds), size)]
+    size = max(1, min(most, len(seeds) // (4 * workers)))
+    return [tuple(seeds[first : first + size]) for first in range(0, len(seeds), size)]

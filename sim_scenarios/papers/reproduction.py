@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sim_scenarios.campaigns.execution import Workers
 from sim_scenarios.campaigns.expectations import Expectations, Row, rows
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.ensemble import Ensemble, ensemble, run_file, variables
@@ -141,7 +141,7 @@ def plans(paper: Paper, seeds: Sequence[int], folder: Path) -> Plans:
 
 
 def run_plans(
-    planned: Sequence[Plan], pool: ProcessPoolExecutor, progress: Progress = lambda _: None
+    planned: Sequence[Plan], workers: Workers, progress: Progress = lambda _: None
 ) -> Iterator[tuple[Plan, Ensemble]]:
     """Run the experiments of a paper, one after another; each is dropped when the next begins."""
     costs = [plan.cost for plan in planned]
@@ -155,7 +155,7 @@ def run_plans(
         yield (
             plan,
             ensemble(
-                pool,
+                workers,
                 experiment.scenario,
                 plan.seeds,
                 experiment.labels(),

@@ -12,12 +12,12 @@ from made_up import run_with
 
 import sim_scenarios
 from sim_scenarios import ensemble as ensembles
+from sim_scenarios.campaigns import execution
 from sim_scenarios.ensemble import ESTIMATED_NOISE, Ensemble, ensemble, gathered, outputs, thinned
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import figures, judge
 from sim_scenarios.metrics.figures import FIGURES
-from sim_scenarios.processes import processes
 from sim_scenarios.provenance import attributes
 from sim_scenarios.recording import of_filter
 from sim_scenarios.runner import Runner, why_no_container
@@ -106,8 +106,8 @@ def test_the_container_makes_the_errors_of_the_python_master(
 @pytest.fixture(scope="module")
 def pooled(fmus: Fmus) -> Ensemble:  # noqa: ARG001  (there must be FMUs)
     shares: list[float] = []
-    with processes(2) as pool:
-        runs = ensemble(pool, "swaying_ship", [3, 4, 5], ["UKF", "EKF"], SHORT, shares.append)
+    with execution.workers(2, None) as workers:
+        runs = ensemble(workers, "swaying_ship", [3, 4, 5], ["UKF", "EKF"], SHORT, shares.append)
     assert shares[-1] == 1.0
     assert shares == sorted(shares)
     return runs
@@ -127,8 +127,9 @@ def test_runs_of_a_pool_are_those_of_a_comparison(pooled: Ensemble, fmus: Fmus) 
 
 
 def test_a_filter_that_is_not_compared_is_refused(fmus: Fmus) -> None:  # noqa: ARG001
-    with processes(1) as pool, pytest.raises(InputError, match=r"no filter 'UFK'; did you mean 'UKF'\?"):
-        ensemble(pool, "swaying_ship", [1], ["UFK"], SHORT)
+    refused = pytest.raises(InputError, match=r"no filter 'UFK'; did you mean 'UKF'\?")
+    with execution.workers(1, None) as workers, refused:
+        ensemble(workers, "swaying_ship", [1], ["UFK"], SHORT)
 
 
 def test_gathered_keeps_the_order_of_the_runs(fmus: Fmus) -> None:
@@ -153,7 +154,7 @@ def test_a_kept_run_that_is_damaged_is_done_again(
 
     monkeypatch.setattr(ensembles, "_run", run)
     monkeypatch.setattr(ensembles, "thinned", lambda made: made)
-    arguments = ("waves", [7], ["UKF"], {}, tmp_path, None)
+    arguments = ([7], "waves", ["UKF"], {}, tmp_path, None)
     (first,) = ensembles._runs(*arguments)
     whole = ensembles.run_file(tmp_path, 7).read_bytes()
     ensembles.run_file(tmp_path, 7).write_bytes(whole[: len(whole) // 2] if content is None else content)

@@ -9,14 +9,13 @@ import pytest
 from made_up import run_with
 from pydantic import ValidationError
 
-from sim_scenarios.campaigns import Campaign, load_plan
+from sim_scenarios.campaigns import Campaign, execution, load_plan
 from sim_scenarios.campaigns.expectations import Band, Expectations, asked, rows
 from sim_scenarios.campaigns.table import expectations as table
 from sim_scenarios.ensemble import Ensemble, ensemble
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics.statistics import chi_square_interval
-from sim_scenarios.processes import processes
 from sim_scenarios.units import ARCMIN
 
 
@@ -143,7 +142,7 @@ def test_what_is_stored_measures_the_same_as_whole_runs(fmus: Fmus, tmp_path: Pa
     plan = load_plan("swaying_ship", runs=3, seed=4, set=short, filters=("UKF", "EKF"), expect=entries)
     campaign = Campaign.of(plan, tmp_path, fmus=fmus)
     campaign.run(workers=1)
-    with processes(1) as pool:
-        runs = ensemble(pool, "swaying_ship", [4, 5, 6], ["UKF", "EKF"], short)
+    with execution.workers(1, None) as workers:
+        runs = ensemble(workers, "swaying_ship", [4, 5, 6], ["UKF", "EKF"], short)
     expected = [row for one in plan.expect for row in rows(one, runs, "swaying_ship")]
     assert repr(campaign.measured()) == repr(expected)  # also where a figure is no number
