@@ -15,7 +15,7 @@ from sim_scenarios.errors import InputError
 
 _PACKAGE: Final = Path(__file__).parent
 SCENARIOS: Final = _PACKAGE / "scenarios"
-CAMPAIGNS: Final = _PACKAGE / "campaigns" / "shipped"
+CAMPAIGNS: Final = _PACKAGE / "campaigns"
 PAPERS: Final = _PACKAGE / "papers"
 BANDS: Final = _PACKAGE / "bands"
 

@@ -14,7 +14,7 @@ from sim_scenarios.cli.terminal import print_json, refusing_bad_input
 from sim_scenarios.errors import InputError
 
 if TYPE_CHECKING:
-    from sim_scenarios.campaigns.expectations import Row
+    from sim_scenarios.studies.expectations import Row
 
 
 def bands(incomplete: str) -> list[str]:
@@ -58,7 +58,9 @@ def check_bands(
     Exit code 0 when every band is kept, 1 when one is missed.
     """
     from sim_scenarios import markdown
-    from sim_scenarios.campaigns import Campaign, execution, load_plan, table  # slow: Dask, Zarr
+    from sim_scenarios.studies import execution, table  # slow: Dask, Zarr
+    from sim_scenarios.studies.campaign import Campaign
+    from sim_scenarios.studies.plan import load_plan
 
     with refusing_bad_input():
         files = catalogue.files(catalogue.BANDS)

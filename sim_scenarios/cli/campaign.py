@@ -28,10 +28,10 @@ from sim_scenarios.cli.terminal import (
 from sim_scenarios.stepping import Master
 
 if TYPE_CHECKING:
-    from sim_scenarios.campaigns import Campaign
-    from sim_scenarios.campaigns.execution import Effort, Progress
-    from sim_scenarios.campaigns.expectations import Row
-    from sim_scenarios.campaigns.statistics import CaseSummary
+    from sim_scenarios.studies.campaign import Campaign
+    from sim_scenarios.studies.execution import Effort, Progress
+    from sim_scenarios.studies.expectations import Row
+    from sim_scenarios.studies.statistics import CaseSummary
 
 MOST_FAILURES: Final = 5
 """Reasons of failed runs that are told."""
@@ -122,7 +122,9 @@ def run_campaign(
     Exit code 0 when every run came to its end, 1 when one stopped with an error or a figure is not what the
     file expects, 130 when interrupted.
     """
-    from sim_scenarios.campaigns import Campaign, load_plan, table  # slow: Dask, Zarr
+    from sim_scenarios.studies import table  # slow: Dask, Zarr
+    from sim_scenarios.studies.campaign import Campaign
+    from sim_scenarios.studies.plan import load_plan
 
     with refusing_bad_input():
         plan = load_plan(
@@ -155,8 +157,8 @@ def run_campaign(
 
 def written(campaign: Campaign) -> tuple[list[CaseSummary], list[Row], dict[str, str]]:
     """What a campaign says, what is expected of it, and the files of its report."""
-    from sim_scenarios.campaigns import page, store
-    from sim_scenarios.campaigns.statistics import summarise
+    from sim_scenarios.studies import page, store
+    from sim_scenarios.studies.statistics import summarise
 
     data, plan, measured = store.open_results(campaign.folder), campaign.plan, campaign.measured()
     cases = list(summarise(data, plan))
@@ -183,7 +185,7 @@ def run_or_say_how_to_go_on(campaign: Campaign, **how: Any) -> Effort:
 
 
 def _print(cases: list[CaseSummary], measured: list[Row], effort: Effort, files: dict[str, str]) -> None:
-    from sim_scenarios.campaigns import table
+    from sim_scenarios.studies import table
 
     for case in cases:
         console().print(case.label, style="bold", highlight=False, markup=False)

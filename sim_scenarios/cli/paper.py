@@ -12,7 +12,6 @@ import typer
 
 from sim_scenarios import catalogue
 from sim_scenarios.benchmark import filter_steps
-from sim_scenarios.campaigns import execution
 from sim_scenarios.cli.campaign import Workers
 from sim_scenarios.cli.options import AsJson, Output, papers
 from sim_scenarios.cli.results import DEFAULT, Results, storing
@@ -31,6 +30,7 @@ from sim_scenarios.folders import reserved
 from sim_scenarios.papers import Paper, load_paper, page
 from sim_scenarios.papers.claims import Point, Swept, Timed, points
 from sim_scenarios.papers.reproduction import Plan, Plans, plans, result_of, run_plans
+from sim_scenarios.studies import execution
 
 Name = Annotated[
     str,

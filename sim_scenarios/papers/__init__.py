@@ -33,8 +33,8 @@ the scenario compares ::
 
     [[figure.picture]]                   # any number of them
     experiment = "printed"
-    kind = "run"                         # of `plots.ensemble`
-    panels = ["heading"]                 # of `plots.ensemble.PANELS`
+    kind = "run"                         # of `papers.pictures`
+    panels = ["heading"]                 # of `papers.pictures.PANELS`
     filters = ["UKF"]                    # all, if left out
     window = [300.0, 600.0]              # s; the whole run, if left out
 
@@ -60,12 +60,12 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field, StringConstraints, ValidationError, model_validator
 
 from sim_scenarios import toml
-from sim_scenarios.campaigns.expectations import Expectations, known_name
 from sim_scenarios.catalogue import PAPERS, files
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
-from sim_scenarios.plots.ensemble import PANELS
+from sim_scenarios.papers.pictures import PANELS
 from sim_scenarios.scenario import Table
+from sim_scenarios.studies.expectations import Expectations, known_name
 from sim_scenarios.timeline import Window
 
 Cost = Annotated[float, Field(gt=0)]

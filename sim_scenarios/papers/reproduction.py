@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sim_scenarios.campaigns.execution import Workers
-from sim_scenarios.campaigns.expectations import Expectations, Row, rows
 from sim_scenarios.cosimulation import Progress
-from sim_scenarios.ensemble import Ensemble, ensemble, run_file, variables
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.papers import Experiment, Paper, Sweep
 from sim_scenarios.recordings.folder import RECORDINGS, recording_named
 from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.studies.ensemble import Ensemble, ensemble, run_file, variables
+from sim_scenarios.studies.execution import Workers
+from sim_scenarios.studies.expectations import Expectations, Row, rows
 
 
 @dataclass(frozen=True)

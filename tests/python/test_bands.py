@@ -15,12 +15,12 @@ import pytest
 from typer.testing import CliRunner
 
 from sim_scenarios import catalogue
-from sim_scenarios.campaigns import load_plan, store
-from sim_scenarios.campaigns.expectations import Band
-from sim_scenarios.campaigns.plan import cases
-from sim_scenarios.campaigns.store import State
 from sim_scenarios.cli.application import app
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.studies import store
+from sim_scenarios.studies.expectations import Band
+from sim_scenarios.studies.plan import cases, load_plan
+from sim_scenarios.studies.store import State
 
 BANDS = catalogue.files(catalogue.BANDS)
 

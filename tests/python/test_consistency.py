@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from sim_scenarios.campaigns import execution
-from sim_scenarios.campaigns.execution import Workers
-from sim_scenarios.ensemble import ensemble
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics.statistics import chi_square_interval
+from sim_scenarios.studies import execution
+from sim_scenarios.studies.ensemble import ensemble
+from sim_scenarios.studies.execution import Workers
 
 RUNS, STATES = 12, 12
 INSTANTS = (60, 150)  # [s], before and in a turn

@@ -15,13 +15,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_up import run_with
 
-from sim_scenarios.campaigns.expectations import Expectations, asked, rows
-from sim_scenarios.campaigns.quantities import kept, variable
-from sim_scenarios.ensemble import gathered, thinned
 from sim_scenarios.fmus import NAVIGATION_FILTER
 from sim_scenarios.metrics import judge
 from sim_scenarios.metrics.figures import FIGURES
 from sim_scenarios.recording import of_filter
+from sim_scenarios.studies.ensemble import gathered, thinned
+from sim_scenarios.studies.expectations import Expectations, asked, rows
+from sim_scenarios.studies.quantities import kept, variable
 from sim_scenarios.timeline import RESOLUTION, Window, inside, instants
 from sim_scenarios.units import ARCMIN
 

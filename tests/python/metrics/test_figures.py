@@ -10,12 +10,12 @@ import pytest
 import xarray as xr
 from made_up import run_with
 
-from sim_scenarios.campaigns import quantities
-from sim_scenarios.campaigns.expectations import Expectations, Row
 from sim_scenarios.errors import InputError
 from sim_scenarios.metrics import figures, judge
 from sim_scenarios.metrics.figures import FIGURES, Figure, shipped
 from sim_scenarios.metrics.folds import LAST
+from sim_scenarios.studies import quantities
+from sim_scenarios.studies.expectations import Expectations, Row
 from sim_scenarios.timeline import Window
 from sim_scenarios.units import ARCMIN
 

@@ -12,20 +12,20 @@ import xarray as xr
 from made_up import run_with
 from typer.testing import CliRunner
 
-from sim_scenarios.campaigns.expectations import Expectations
 from sim_scenarios.catalogue import papers
 from sim_scenarios.cli import paper as command
 from sim_scenarios.cli.application import app
-from sim_scenarios.ensemble import Ensemble
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics.folds import root_mean_square
 from sim_scenarios.papers import Paper, load_paper
 from sim_scenarios.papers.claims import Swept, Timed, points
 from sim_scenarios.papers.page import draw, noise_scale
+from sim_scenarios.papers.pictures import drawn
 from sim_scenarios.papers.reproduction import Result, beside, plans
-from sim_scenarios.plots.ensemble import drawn
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.studies.ensemble import Ensemble
+from sim_scenarios.studies.expectations import Expectations
 from sim_scenarios.units import ARCMIN
 
 

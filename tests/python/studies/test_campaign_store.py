@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sim_scenarios.campaigns import store
-from sim_scenarios.campaigns.plan import Case, Plan, cases, load_plan
-from sim_scenarios.campaigns.store import Batch, State
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.studies import store
+from sim_scenarios.studies.plan import Case, Plan, cases, load_plan
+from sim_scenarios.studies.store import Batch, State
 
 WINDOW = {"evaluation.start": 1.0, "evaluation.stop": 3.0, "filter_fmu": "NavigationFilter"}
 

@@ -1,7 +1,7 @@
 """Many runs of a scenario on the workers of a campaign, and the figures that they make together.
 
 Of a run all is kept that figures and pictures are made of, at every recorded instant and fix: this is for
-papers, which draw it. Campaigns (`sim_scenarios.campaigns`) keep figures, and what is expected of them.
+papers, which draw it. Campaigns keep figures, and what is expected of them.
 """
 
 from __future__ import annotations
@@ -18,8 +18,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import provenance, recording, simulation
-from sim_scenarios.campaigns.execution import Workers
-from sim_scenarios.campaigns.measured import Measured
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
@@ -28,6 +26,8 @@ from sim_scenarios.metrics.statistics import nees_of
 from sim_scenarios.recordings.residuals import residuals as residuals_of
 from sim_scenarios.runner import Runner
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.studies.execution import Workers
+from sim_scenarios.studies.measured import Measured
 from sim_scenarios.timeline import Window
 
 Array = NDArray[np.float64]

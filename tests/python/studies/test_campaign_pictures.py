@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from sim_scenarios.campaigns import pictures
-from sim_scenarios.campaigns.statistics import Course, consistency_course
+from sim_scenarios.studies import pictures
+from sim_scenarios.studies.statistics import Course, consistency_course
 
 TIME = np.arange(5.0)
 RUNS = 10

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import sim_scenarios
-from sim_scenarios.campaigns.quantities import figures, kept
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.studies.quantities import figures, kept
 
 
 @pytest.mark.parametrize("name", ["heading_error", "state", "horizontal_bound_rms"])

@@ -17,14 +17,15 @@ from typing import Any
 import pytest
 from distributed import LocalCluster
 
-from sim_scenarios.campaigns import campaign, execution, load_plan, store
-from sim_scenarios.campaigns.execution import Progress
-from sim_scenarios.campaigns.plan import cases
-from sim_scenarios.campaigns.runs import bound
-from sim_scenarios.campaigns.store import State
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.stepping import Master
+from sim_scenarios.studies import execution, store
+from sim_scenarios.studies.campaign import campaign
+from sim_scenarios.studies.execution import Progress
+from sim_scenarios.studies.plan import cases, load_plan
+from sim_scenarios.studies.runs import bound
+from sim_scenarios.studies.store import State
 
 SETTINGS = {"duration": 30.0, "evaluation.start": 10.0}
 RUNS = 16

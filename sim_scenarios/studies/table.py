@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-from sim_scenarios.campaigns.expectations import Row
-from sim_scenarios.campaigns.quantities import ERRORS
-from sim_scenarios.campaigns.statistics import CaseSummary, Summary
 from sim_scenarios.metrics.certainty import QUANTITIES
 from sim_scenarios.metrics.figures import own
 from sim_scenarios.metrics.folds import Estimate
+from sim_scenarios.studies.expectations import Row
+from sim_scenarios.studies.quantities import ERRORS
+from sim_scenarios.studies.statistics import CaseSummary, Summary
 from sim_scenarios.units import Reading, reading
 
 Rows = list[list[str]]

@@ -7,7 +7,7 @@ import json
 import pytest
 import xarray as xr
 
-from sim_scenarios.campaigns import page
+from sim_scenarios.studies import page
 
 CASE = {"scenario": "zigzag", "settings": {"gnss.rate": 2.0}, "drawn": {}}
 COMMAND = "truenorth compare zigzag --seed 3 --set gnss.rate=2.0"

@@ -27,15 +27,15 @@ from distributed import Client, Security
 from distributed.scheduler import KilledWorker
 
 from sim_scenarios import provenance
-from sim_scenarios.campaigns import runs, store
-from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
-from sim_scenarios.campaigns.quantities import figures
-from sim_scenarios.campaigns.runs import Bench
-from sim_scenarios.campaigns.store import Batch
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.processes import processes
 from sim_scenarios.stepping import Master
+from sim_scenarios.studies import runs, store
+from sim_scenarios.studies.plan import Case, Plan, filter_labels
+from sim_scenarios.studies.quantities import figures
+from sim_scenarios.studies.runs import Bench
+from sim_scenarios.studies.store import Batch
 from sim_scenarios.version import PACKAGE, sources
 
 Task = TypeVar("Task")

@@ -33,13 +33,13 @@ from numcodecs import CRC32, Zstd
 from numpy.typing import NDArray
 
 from sim_scenarios import connection, faults, recording
-from sim_scenarios.campaigns.plan import Case, Plan, filter_labels
-from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS, RECORDED, SERIES, figures
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu
 from sim_scenarios.folders import discard, filled, remove
 from sim_scenarios.metrics.statistics import rms
 from sim_scenarios.scenario import Scenario
+from sim_scenarios.studies.plan import Case, Plan, filter_labels
+from sim_scenarios.studies.quantities import BOUNDED, ERRORS, RECORDED, SERIES, figures
 from sim_scenarios.timeline import RESOLUTION, instants, within
 
 NAME: Final = "campaign.zarr"

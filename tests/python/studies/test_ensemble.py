@@ -11,9 +11,6 @@ import xarray as xr
 from made_up import run_with
 
 import sim_scenarios
-from sim_scenarios import ensemble as ensembles
-from sim_scenarios.campaigns import execution
-from sim_scenarios.ensemble import ESTIMATED_NOISE, Ensemble, ensemble, gathered, outputs, thinned
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import figures, judge
@@ -22,6 +19,9 @@ from sim_scenarios.provenance import attributes
 from sim_scenarios.recording import of_filter
 from sim_scenarios.runner import Runner, why_no_container
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.studies import ensemble as ensembles
+from sim_scenarios.studies import execution
+from sim_scenarios.studies.ensemble import ESTIMATED_NOISE, Ensemble, ensemble, gathered, outputs, thinned
 from sim_scenarios.units import ARCMIN
 
 SHORT = {"duration": 40.0, "evaluation.start": 20.0}

@@ -30,13 +30,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from sim_scenarios.campaigns.measured import Measured
-from sim_scenarios.campaigns.quantities import Asked
 from sim_scenarios.fmus import did_you_mean
 from sim_scenarios.metrics.figures import Figure, known
 from sim_scenarios.metrics.folds import OF_ERRORS
 from sim_scenarios.metrics.statistics import chi_square_interval
 from sim_scenarios.scenario import Table
+from sim_scenarios.studies.measured import Measured
+from sim_scenarios.studies.quantities import Asked
 from sim_scenarios.timeline import Window
 
 Array = NDArray[np.float64]

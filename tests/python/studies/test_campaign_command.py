@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
-from sim_scenarios.campaigns import page, store, table
-from sim_scenarios.campaigns.statistics import summarise
-from sim_scenarios.campaigns.store import open_results
 from sim_scenarios.cli.application import app
+from sim_scenarios.studies import page, store, table
+from sim_scenarios.studies.statistics import summarise
+from sim_scenarios.studies.store import open_results
 
 
 def campaign(*arguments: object) -> Result:

@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from sim_scenarios.campaigns import table
-from sim_scenarios.campaigns.quantities import ERRORS
-from sim_scenarios.campaigns.statistics import CaseSummary, Course
 from sim_scenarios.plots import style
+from sim_scenarios.studies import table
+from sim_scenarios.studies.quantities import ERRORS
+from sim_scenarios.studies.statistics import CaseSummary, Course
 
 
 def draw(case: CaseSummary, path: Path) -> list[Path]:

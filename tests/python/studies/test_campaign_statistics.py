@@ -10,17 +10,17 @@ import pytest
 import xarray as xr
 from scipy import stats
 
-from sim_scenarios.campaigns import table
-from sim_scenarios.campaigns.plan import Plan
-from sim_scenarios.campaigns.quantities import BOUNDED, KEPT, SERIES
-from sim_scenarios.campaigns.statistics import (
+from sim_scenarios.studies import table
+from sim_scenarios.studies.plan import Plan
+from sim_scenarios.studies.quantities import BOUNDED, KEPT, SERIES
+from sim_scenarios.studies.statistics import (
     consistency_course,
     error_course,
     nees_course,
     recovery_times,
     summarise,
 )
-from sim_scenarios.campaigns.store import State
+from sim_scenarios.studies.store import State
 from sim_scenarios.units import ARCMIN
 
 TRIALS = 2000

@@ -13,13 +13,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import markdown
-from sim_scenarios.campaigns import pictures, store, table
-from sim_scenarios.campaigns.expectations import Expectations, Row
-from sim_scenarios.campaigns.quantities import ERRORS
-from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
 from sim_scenarios.folders import filled
 from sim_scenarios.html import interactive, numbers, render
 from sim_scenarios.names import file_names
+from sim_scenarios.studies import pictures, store, table
+from sim_scenarios.studies.expectations import Expectations, Row
+from sim_scenarios.studies.quantities import ERRORS
+from sim_scenarios.studies.statistics import CaseSummary, Course, Summary
 from sim_scenarios.units import reading
 
 Array = NDArray[np.float64]

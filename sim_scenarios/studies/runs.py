@@ -11,15 +11,15 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import faults, provenance, recording, scenario_bound
-from sim_scenarios.campaigns.plan import Case, filters_of
-from sim_scenarios.campaigns.quantities import NOTHING, Asked, kept, outputs
-from sim_scenarios.campaigns.store import State
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import hand_over
 from sim_scenarios.runner import Filters, Runner
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.stepping import Master
+from sim_scenarios.studies.plan import Case, filters_of
+from sim_scenarios.studies.quantities import NOTHING, Asked, kept, outputs
+from sim_scenarios.studies.store import State
 
 Array = NDArray[np.float64]
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sim_scenarios.campaigns.draws import Distribution, Draw, draw
-from sim_scenarios.campaigns.plan import Case, cases, filters_of, load_plan
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.studies.draws import Distribution, Draw, draw
+from sim_scenarios.studies.plan import Case, cases, filters_of, load_plan
 
 DRAWS = 500
 

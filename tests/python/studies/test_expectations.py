@@ -9,13 +9,15 @@ import pytest
 from made_up import run_with
 from pydantic import ValidationError
 
-from sim_scenarios.campaigns import Campaign, execution, load_plan
-from sim_scenarios.campaigns.expectations import Band, Expectations, asked, rows
-from sim_scenarios.campaigns.table import expectations as table
-from sim_scenarios.ensemble import Ensemble, ensemble
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics.statistics import chi_square_interval
+from sim_scenarios.studies import execution
+from sim_scenarios.studies.campaign import Campaign
+from sim_scenarios.studies.ensemble import Ensemble, ensemble
+from sim_scenarios.studies.expectations import Band, Expectations, asked, rows
+from sim_scenarios.studies.plan import load_plan
+from sim_scenarios.studies.table import expectations as table
 from sim_scenarios.units import ARCMIN
 
 

@@ -12,13 +12,14 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from sim_scenarios.campaigns import Campaign, execution, load_plan, store
-from sim_scenarios.campaigns.plan import Plan, fingerprint
-from sim_scenarios.campaigns.store import State
 from sim_scenarios.cli.application import app
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import reserved
+from sim_scenarios.studies import execution, store
+from sim_scenarios.studies.campaign import Campaign
+from sim_scenarios.studies.plan import Plan, fingerprint, load_plan
+from sim_scenarios.studies.store import State
 
 WINDOW = {"evaluation.start": 1.0, "evaluation.stop": 3.0, "filter_fmu": "NavigationFilter"}
 

@@ -11,15 +11,15 @@ import xarray as xr
 
 import sim_scenarios
 from sim_scenarios import provenance
-from sim_scenarios.campaigns import campaign
-from sim_scenarios.campaigns.plan import cases, load_plan
-from sim_scenarios.campaigns.quantities import KEPT, OTHERS, SERIES
-from sim_scenarios.campaigns.runs import Bench
-from sim_scenarios.campaigns.store import NAME, State, open_results
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import judge
 from sim_scenarios.stepping import Master
+from sim_scenarios.studies.campaign import campaign
+from sim_scenarios.studies.plan import cases, load_plan
+from sim_scenarios.studies.quantities import KEPT, OTHERS, SERIES
+from sim_scenarios.studies.runs import Bench
+from sim_scenarios.studies.store import NAME, State, open_results
 from sim_scenarios.units import ARCMIN
 
 SETTINGS = {"duration": 40.0, "evaluation.start": 20.0, "evaluation.stop": 40.0}

@@ -11,9 +11,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import recording
-from sim_scenarios.campaigns.quantities import RECORDED, variable
 from sim_scenarios.metrics.errors import ERRORS
 from sim_scenarios.metrics.figures import Figure, known
+from sim_scenarios.studies.quantities import RECORDED, variable
 from sim_scenarios.timeline import Window
 
 Array = NDArray[np.float64]

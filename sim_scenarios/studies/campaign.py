@@ -8,8 +8,8 @@
 
 The results are an xarray Dataset (see `store`); `statistics.summarise` condenses it.
 
-What is kept of a run is fixed (`quantities`), so that campaigns of any size resume and spread over machines.
-Checks that need every error at every instant, of a few dozen runs, are made by `sim_scenarios.ensemble`.
+What is kept of a run is fixed (`quantities`) but for what is expected of it (`expectations`), so that
+campaigns of any size resume and spread over machines.
 """
 
 from __future__ import annotations
@@ -21,18 +21,16 @@ from typing import Any
 
 import xarray as xr
 
-from sim_scenarios.campaigns import execution, store
-from sim_scenarios.campaigns.execution import Effort, Report, Workers
-from sim_scenarios.campaigns.expectations import Row, rows
-from sim_scenarios.campaigns.measured import Stored
-from sim_scenarios.campaigns.plan import Case, Plan, cases, expected_of, fingerprint, load_plan
-from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import reserved
 from sim_scenarios.stepping import Master
-
-__all__ = ["Campaign", "Master", "campaign", "load_plan"]
+from sim_scenarios.studies import execution, store
+from sim_scenarios.studies.execution import Effort, Report, Workers
+from sim_scenarios.studies.expectations import Row, rows
+from sim_scenarios.studies.measured import Stored
+from sim_scenarios.studies.plan import Case, Plan, cases, expected_of, fingerprint, load_plan
+from sim_scenarios.studies.runs import Bench
 
 
 @dataclass(frozen=True)

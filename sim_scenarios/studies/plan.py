@@ -48,14 +48,14 @@ from typing import Annotated, Any, Final
 from pydantic import BeforeValidator, Field, ValidationError
 
 from sim_scenarios import faults, toml
-from sim_scenarios.campaigns.draws import Distribution, Draw, draw
-from sim_scenarios.campaigns.expectations import Expectations, asked, known_name
-from sim_scenarios.campaigns.quantities import SERIES, Asked, figures
 from sim_scenarios.catalogue import CAMPAIGNS, files, located_filters, scenario_path
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
 from sim_scenarios.names import Label, Name, Text
 from sim_scenarios.scenario import FILTER, MOTION, Scenario, Table, load_scenario
+from sim_scenarios.studies.draws import Distribution, Draw, draw
+from sim_scenarios.studies.expectations import Expectations, asked, known_name
+from sim_scenarios.studies.quantities import SERIES, Asked, figures
 from sim_scenarios.toml import dotted
 
 LARGEST_SEED: Final = 2**31 - 1

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from sim_scenarios.campaigns import campaign
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.studies.campaign import campaign
 
 CAMPAIGN = """
 description = "Two courses"

@@ -12,11 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Drawn
 from numpy.typing import NDArray
 
-from sim_scenarios.ensemble import ESTIMATED_NOISE, Ensemble
 from sim_scenarios.metrics.errors import ERRORS, root_mean_square
 from sim_scenarios.metrics.folds import Estimate
 from sim_scenarios.metrics.statistics import rms
 from sim_scenarios.plots.style import INK, figure, lines
+from sim_scenarios.studies.ensemble import ESTIMATED_NOISE, Ensemble
 from sim_scenarios.timeline import Window, inside
 from sim_scenarios.units import ARCMIN, DEGREE
 

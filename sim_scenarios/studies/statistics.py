@@ -23,14 +23,14 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.special import chdtri
 
-from sim_scenarios.campaigns.plan import Plan
-from sim_scenarios.campaigns.quantities import BOUNDED, ERRORS
-from sim_scenarios.campaigns.store import State
 from sim_scenarios.metrics.certainty import QUANTITIES, WRONG
 from sim_scenarios.metrics.errors import that_counts
 from sim_scenarios.metrics.figures import FIGURES, Figure, own
 from sim_scenarios.metrics.folds import UNKNOWN, Estimate, order, share, time_share
 from sim_scenarios.metrics.statistics import CONFIDENCE, chi_square_interval
+from sim_scenarios.studies.plan import Plan
+from sim_scenarios.studies.quantities import BOUNDED, ERRORS
+from sim_scenarios.studies.store import State
 from sim_scenarios.timeline import RESOLUTION
 
 Array = NDArray[np.float64]

@@ -12,9 +12,9 @@ import xarray as xr
 from drawn import drawn, node_is_there
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from sim_scenarios.campaigns import page, table
-from sim_scenarios.campaigns.statistics import CaseSummary, summarise
-from sim_scenarios.campaigns.store import State, open_results
+from sim_scenarios.studies import page, table
+from sim_scenarios.studies.statistics import CaseSummary, summarise
+from sim_scenarios.studies.store import State, open_results
 from sim_scenarios.units import ARCMIN
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
