@@ -12,7 +12,7 @@ import typer
 
 from sim_scenarios import catalogue
 from sim_scenarios.benchmark import filter_steps
-from sim_scenarios.cli.campaign import Workers
+from sim_scenarios.cli.campaign import Insecure, Scheduler, Workers
 from sim_scenarios.cli.options import AsJson, Output, papers
 from sim_scenarios.cli.results import DEFAULT, Results, storing
 from sim_scenarios.cli.terminal import (
@@ -61,6 +61,8 @@ def reproduce_paper(
     seed: FirstSeed = 1,
     output: Output = None,
     workers: Workers = None,
+    scheduler: Scheduler = None,
+    insecure: Insecure = False,
     as_json: AsJson = False,
 ) -> None:
     """Reproduce what a paper prints: its figures beside those measured here, and why they differ.
@@ -89,7 +91,7 @@ def reproduce_paper(
             storing(folder, f"; {KEPT}"),
             reserved(folder, "paper"),
             _saying_what_is_kept(folder),
-            execution.workers(workers, None) as working,
+            execution.workers(workers, scheduler, insecure) as working,
         ):
             planned = plans(paper, seeds, folder)
             _announce(name, planned, folder, working.count)

@@ -64,6 +64,8 @@ class Plan:
         Recording whose residuals join the noise.
     kept : Path
         Folder of its runs; another one for every change of scenario, filters or FMUs.
+    versions : dict of str to str
+        Of the FMUs.
     """
 
     experiment: Experiment
@@ -71,6 +73,7 @@ class Plan:
     seeds: Sequence[int]
     residuals: Path | None
     kept: Path
+    versions: dict[str, str]
 
     @property
     def missing(self) -> int:
@@ -124,7 +127,8 @@ def plans(paper: Paper, seeds: Sequence[int], folder: Path) -> Plans:
         identity = _identity(scenario, experiment, fmus, residuals)
         kept = folder / "runs" / f"{experiment.name.replace(' ', '_')}-{identity}"
         kept.mkdir(parents=True, exist_ok=True)
-        return Plan(experiment, scenario, seeds, residuals, kept)
+        versions = {name: fmus[name].version for name in scenario.fmu_names()}
+        return Plan(experiment, scenario, seeds, residuals, kept, versions)
 
     experiments, left_out = [], []
     for experiment in paper.experiment:
@@ -163,6 +167,7 @@ def run_plans(
                 advance,
                 plan.kept,
                 plan.residuals,
+                plan.versions,
             ),
         )
         done += cost

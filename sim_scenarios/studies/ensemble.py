@@ -26,7 +26,7 @@ from sim_scenarios.metrics.statistics import nees_of
 from sim_scenarios.recordings.residuals import residuals as residuals_of
 from sim_scenarios.runner import Runner
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.studies.execution import Workers
+from sim_scenarios.studies.execution import Workers, other_fmus
 from sim_scenarios.studies.measured import Measured
 from sim_scenarios.timeline import Window
 
@@ -121,6 +121,7 @@ def ensemble(
     progress: Progress = lambda _: None,
     kept: Path | None = None,
     residuals: Path | None = None,
+    versions: Mapping[str, str] | None = None,
 ) -> Ensemble:
     """Run filters that a scenario compares, with each seed.
 
@@ -143,6 +144,8 @@ def ensemble(
         scenario with one choice of settings and filters; the workers must see it under the same path.
     residuals : Path, optional
         Recording whose residuals are added to the increments of the plant, in each run from another place on.
+    versions : mapping of str to str, optional
+        Of the FMUs that the workers must have.
     """
     do = partial(
         _runs,
@@ -151,6 +154,7 @@ def ensemble(
         settings=dict(settings or {}),
         kept=kept and kept.resolve(),
         residuals=residuals and residuals.resolve(),
+        versions=versions,
     )
     done: dict[int, xr.Dataset] = {}
     for batch, runs in workers.results(do, _batches(seeds, workers.count)):
@@ -187,6 +191,7 @@ def _runs(
     settings: Mapping[str, object],
     kept: Path | None,
     residuals: Path | None,
+    versions: Mapping[str, str] | None,
 ) -> list[xr.Dataset]:
     """Runs on a worker."""
     runs = []
@@ -195,7 +200,7 @@ def _runs(
         if file and (done := _kept(file)) is not None:
             runs.append(done)
             continue
-        run = thinned(_run(scenario, seed, labels, settings, residuals))
+        run = thinned(_run(scenario, seed, labels, settings, residuals, versions))
         if file:
             unfinished = file.with_suffix(".part")
             recording.save(run, unfinished)
@@ -230,9 +235,13 @@ def _run(
     labels: Sequence[str],
     settings: Mapping[str, object],
     residuals: Path | None,
+    versions: Mapping[str, str] | None,
 ) -> xr.Dataset:
     runner = _on_worker.runner
     loaded = load_scenario(scenario, runner.fmus, seed=seed, settings=settings)
+    found = {name: runner.fmus[name].version for name in loaded.fmu_names()}
+    if versions is not None and found != versions:
+        raise other_fmus(found, versions)
     known = loaded.filters()
     for label in labels:
         if label not in known:

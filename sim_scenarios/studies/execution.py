@@ -12,7 +12,7 @@ import pickle
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -196,7 +196,7 @@ class Workbench:
         bench = Bench(self.plan.period, self.master, asked=self.plan.asked)
         found = versions(bench.fmus, self.plan, self.cases)
         if found != self.versions:
-            raise InputError(f"a worker has other FMUs than this process: {found}, not {self.versions}")
+            raise other_fmus(found, self.versions)
         if differing := set(self.figures).symmetric_difference(figures(self.plan.asked)):
             raise InputError(f"a worker has other figures than this process: {', '.join(sorted(differing))}")
         return bench, store.Writer(self.path)
@@ -284,6 +284,11 @@ def execute(
         report(Progress(done + finished, len(failures), total, finished / (time.monotonic() - start)))
     wall = time.monotonic() - start
     return Effort(finished, workers.count, wall, work, tuple(dict.fromkeys(failures)))
+
+
+def other_fmus(found: Mapping[str, str], wanted: Mapping[str, str]) -> InputError:
+    """Why a worker is of no use."""
+    return InputError(f"a worker has other FMUs than this process: {found}, not {wanted}")
 
 
 def versions(fmus: Fmus, plan: Plan, made: Sequence[Case]) -> dict[str, str]:

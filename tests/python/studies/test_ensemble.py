@@ -141,6 +141,13 @@ def test_gathered_keeps_the_order_of_the_runs(fmus: Fmus) -> None:
         xr.testing.assert_equal(one, run.sel(filter="UKF", drop=True))
 
 
+def test_a_worker_with_other_fmus_is_refused(fmus: Fmus, tmp_path: Path) -> None:  # noqa: ARG001
+    others = {"TruthPlant": "of yesterday"}
+    with execution.workers(1, None) as workers, pytest.raises(InputError, match="a worker has other FMUs"):
+        ensemble(workers, "swaying_ship", [1], ["UKF"], SHORT, kept=tmp_path, versions=others)
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("content", [b"", b"CDF", b"something else", None])
 def test_a_kept_run_that_is_damaged_is_done_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, content: bytes | None
@@ -154,7 +161,7 @@ def test_a_kept_run_that_is_damaged_is_done_again(
 
     monkeypatch.setattr(ensembles, "_run", run)
     monkeypatch.setattr(ensembles, "thinned", lambda made: made)
-    arguments = ([7], "waves", ["UKF"], {}, tmp_path, None)
+    arguments = ([7], "waves", ["UKF"], {}, tmp_path, None, None)
     (first,) = ensembles._runs(*arguments)
     whole = ensembles.run_file(tmp_path, 7).read_bytes()
     ensembles.run_file(tmp_path, 7).write_bytes(whole[: len(whole) // 2] if content is None else content)
