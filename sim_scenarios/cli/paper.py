@@ -11,7 +11,6 @@ from typing import Annotated, Final
 import typer
 
 from sim_scenarios import catalogue
-from sim_scenarios.benchmark import filter_steps
 from sim_scenarios.cli.campaign import Insecure, Scheduler, Workers
 from sim_scenarios.cli.options import AsJson, Output, papers
 from sim_scenarios.cli.results import DEFAULT, Results, storing
@@ -30,7 +29,6 @@ from sim_scenarios.folders import reserved
 from sim_scenarios.papers import Paper, load_paper, page
 from sim_scenarios.papers.claims import Point, Swept, Timed, points
 from sim_scenarios.papers.reproduction import Plan, Plans, plans, result_of, run_plans
-from sim_scenarios.studies import execution
 
 Name = Annotated[
     str,
@@ -83,6 +81,8 @@ def reproduce_paper(
     if listing:
         _list(paper, as_json)
         return
+    from sim_scenarios.studies import execution  # slow: Dask
+
     with refusing_bad_input():
         folder = output or DEFAULT / f"paper-{name}"
         Results(folder)
@@ -160,6 +160,8 @@ def _timed(plan: Plan) -> Timed | None:
     """How long the steps of an experiment's filters take, if the paper says something of it."""
     if not plan.experiment.time:
         return None
+    from sim_scenarios.benchmark import filter_steps  # slow: readers of recordings
+
     return Timed(plan.experiment, filter_steps(plan.scenario, Fmus()))
 
 

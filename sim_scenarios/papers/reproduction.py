@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.fmus import Fmus
@@ -15,8 +15,10 @@ from sim_scenarios.papers import Experiment, Paper, Sweep
 from sim_scenarios.recordings.folder import RECORDINGS, recording_named
 from sim_scenarios.scenario import Scenario, load_scenario
 from sim_scenarios.studies.ensemble import Ensemble, ensemble, run_file, variables
-from sim_scenarios.studies.execution import Workers
 from sim_scenarios.studies.expectations import Expectations, Row, rows
+
+if TYPE_CHECKING:
+    from sim_scenarios.studies.execution import Workers
 
 
 @dataclass(frozen=True)

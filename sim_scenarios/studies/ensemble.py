@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import xarray as xr
@@ -26,9 +26,11 @@ from sim_scenarios.metrics.statistics import nees_of
 from sim_scenarios.recordings.residuals import residuals as residuals_of
 from sim_scenarios.runner import Runner
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.studies.execution import Workers, other_fmus
 from sim_scenarios.studies.measured import Measured
 from sim_scenarios.timeline import Window
+
+if TYPE_CHECKING:
+    from sim_scenarios.studies.execution import Workers
 
 Array = NDArray[np.float64]
 
@@ -241,6 +243,8 @@ def _run(
     loaded = load_scenario(scenario, runner.fmus, seed=seed, settings=settings)
     found = {name: runner.fmus[name].version for name in loaded.fmu_names()}
     if versions is not None and found != versions:
+        from sim_scenarios.studies.execution import other_fmus  # slow: Dask
+
         raise other_fmus(found, versions)
     known = loaded.filters()
     for label in labels:
