@@ -116,7 +116,7 @@ bench: native  ## Time per filter step, per FMI call, and of a whole run
 	@python -m sim_scenarios.benchmark
 
 bands: fmus  ## Monte-Carlo check of the accuracy bands (ten minutes; SEEDS=10 for fewer runs)
-	@python -m sim_scenarios.bands $(if $(SEEDS),-n $(SEEDS))
+	@truenorth bands $(if $(SEEDS),-n $(SEEDS)) --output build/reports/bands
 
 soak: fmus  ## 24 h of every model with every corrector, simulated (hours; SEEDS=1 for a single run of each)
 	@truenorth campaign soak $(if $(SEEDS),-n $(SEEDS)) --output build/reports/soak

@@ -4,7 +4,7 @@ The same call goes on where it was stopped, and does only what is missing.
 """
 
 import sim_scenarios
-from sim_scenarios.campaigns.statistics import summarise
+from sim_scenarios.studies.statistics import summarise
 from sim_scenarios.units import ARCMIN
 
 if __name__ == "__main__":  # the workers are processes that import this file

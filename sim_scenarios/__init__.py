@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from sim_scenarios import report
-    from sim_scenarios.campaigns import campaign
     from sim_scenarios.errors import InputError, SimulationError
     from sim_scenarios.exchange import export
     from sim_scenarios.metrics import Verdict, judge
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from sim_scenarios.recordings.zero_velocity import ZeroVelocity
     from sim_scenarios.scenario_bound import bound
     from sim_scenarios.simulation import compare, run
+    from sim_scenarios.studies.campaign import campaign
 
 __all__ = [
     "InputError",
@@ -48,7 +48,6 @@ __all__ = [
 ]
 
 _HOMES = {
-    "campaigns": ("campaign",),
     "errors": ("InputError", "SimulationError"),
     "exchange": ("export",),
     "metrics": ("Verdict", "judge"),
@@ -59,6 +58,7 @@ _HOMES = {
     "recordings.zero_velocity": ("ZeroVelocity",),
     "scenario_bound": ("bound",),
     "simulation": ("compare", "run"),
+    "studies.campaign": ("campaign",),
 }
 _MODULES = ("report",)
 

@@ -15,8 +15,9 @@ from sim_scenarios.errors import InputError
 
 _PACKAGE: Final = Path(__file__).parent
 SCENARIOS: Final = _PACKAGE / "scenarios"
-CAMPAIGNS: Final = _PACKAGE / "campaigns" / "shipped"
+CAMPAIGNS: Final = _PACKAGE / "campaigns"
 PAPERS: Final = _PACKAGE / "papers"
+BANDS: Final = _PACKAGE / "bands"
 
 
 def scenarios() -> dict[str, str]:
@@ -35,7 +36,7 @@ def papers() -> dict[str, str]:
 
 
 def files(folder: Path) -> dict[str, Path]:
-    """Files of one of the three folders, by name."""
+    """Files of one of these folders, by name."""
     return {path.stem: path for path in sorted(folder.glob("*.toml"))}
 
 

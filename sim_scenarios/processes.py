@@ -18,11 +18,6 @@ from threading import Thread
 from sim_scenarios import folders
 
 
-def workers_of(workers: int | None) -> int:
-    """How many processes there will be: one for each core, if nobody says otherwise."""
-    return workers or os.cpu_count() or 1
-
-
 @contextmanager
 def processes(workers: int | None = None) -> Iterator[ProcessPoolExecutor]:
     """A pool of processes, one for each core, that end with this context.
@@ -35,7 +30,7 @@ def processes(workers: int | None = None) -> Iterator[ProcessPoolExecutor]:
     wire, lifeline = context.Pipe(duplex=False)
     with wire, lifeline:
         executor = ProcessPoolExecutor(
-            workers_of(workers), context, initializer=_begin, initargs=(wire, folders.temporary())
+            workers or os.cpu_count(), context, initializer=_begin, initargs=(wire, folders.temporary())
         )
         try:
             yield executor

@@ -1,7 +1,8 @@
-"""The dependencies of the C++ layers point one way (fmu_src/CMakeLists.txt)."""
+"""The dependencies of the C++ layers point one way (fmu_src/CMakeLists.txt), and so do those of studies."""
 
 from __future__ import annotations
 
+import ast
 import re
 from pathlib import Path
 
@@ -61,3 +62,46 @@ def test_an_include_against_the_direction_is_found() -> None:
 def test_only_the_fmi_layer_knows_fmi(layer: str) -> None:
     for path in (SOURCES / layer).rglob("*.[ch]pp"):
         assert "fmi2" not in path.read_text(encoding="utf-8").lower(), path.name
+
+
+PACKAGE = ROOT / "sim_scenarios"
+STUDIES = "sim_scenarios.studies"
+ORDER = [
+    *("quantities", "measured", "expectations", "draws", "plan", "store", "runs", "execution", "ensemble"),
+    *("campaign", "statistics", "table", "pictures", "page"),
+]
+"""Modules of studies: each imports only those before it."""
+ABOVE = {"__init__.py", "cli", "papers", "studies"}
+"""What may import studies."""
+
+
+def imported(text: str) -> set[str]:
+    """Modules of studies that a module imports."""
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and node.module == STUDIES:
+            found |= {name.name for name in node.names}
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{STUDIES}."):
+            found.add(str(node.module).removeprefix(f"{STUDIES}."))
+    return found
+
+
+def test_every_module_of_studies_has_its_place() -> None:
+    assert {path.stem for path in (PACKAGE / "studies").glob("*.py")} == {"__init__", *ORDER}
+
+
+@pytest.mark.parametrize("module", ORDER)
+def test_a_module_of_studies_imports_those_before_it(module: str) -> None:
+    found = imported((PACKAGE / "studies" / f"{module}.py").read_text(encoding="utf-8"))
+    assert found <= set(ORDER[: ORDER.index(module)])
+
+
+def test_what_studies_stand_on_does_not_know_them() -> None:
+    below = [p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] not in ABOVE]
+    assert below
+    assert [path for path in below if imported(path.read_text(encoding="utf-8"))] == []
+
+
+def test_an_import_against_the_order_is_found() -> None:
+    assert imported("from sim_scenarios.studies import page, store") == {"page", "store"}
+    assert imported("def f():\n    from sim_scenarios.studies.plan import Plan") == {"plan"}

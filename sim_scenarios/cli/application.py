@@ -41,6 +41,7 @@ def truenorth(
         truenorth compare swaying_ship_printed   several filters, the same signals
         truenorth campaign zigzag -n 100         many runs, and what they say together
         truenorth paper zhou                     what a paper prints, and what is found
+        truenorth bands zigzag -n 10             whether the filters keep their bands
         truenorth bound zigzag                   how well any filter could do
         truenorth import imu.csv gnss.pos        the description of a recording, drafted by looking
         truenorth replay imu.csv --heading 100   a recorded IMU through the filter

@@ -28,9 +28,10 @@ from sim_scenarios.cli.terminal import (
 from sim_scenarios.stepping import Master
 
 if TYPE_CHECKING:
-    from sim_scenarios.campaigns import Campaign
-    from sim_scenarios.campaigns.execution import Effort, Progress
-    from sim_scenarios.campaigns.statistics import CaseSummary
+    from sim_scenarios.studies.campaign import Campaign
+    from sim_scenarios.studies.execution import Effort, Progress
+    from sim_scenarios.studies.expectations import Row
+    from sim_scenarios.studies.statistics import CaseSummary
 
 MOST_FAILURES: Final = 5
 """Reasons of failed runs that are told."""
@@ -118,10 +119,12 @@ def run_campaign(
         truenorth campaign faults --case "IMU silence" -n 2
         truenorth campaign my_campaign.toml --scheduler tls://192.168.0.7:8786 --output /shared/results
 
-    Exit code 0 when every run came to its end, 1 when one stopped with an error, 130 when interrupted.
+    Exit code 0 when every run came to its end, 1 when one stopped with an error or a figure is not what the
+    file expects, 130 when interrupted.
     """
-    from sim_scenarios.campaigns import Campaign, load_plan, page, store, table  # slow: Dask, Zarr
-    from sim_scenarios.campaigns.statistics import summarise
+    from sim_scenarios.studies import table  # slow: Dask, Zarr
+    from sim_scenarios.studies.campaign import Campaign
+    from sim_scenarios.studies.plan import load_plan
 
     with refusing_bad_input():
         plan = load_plan(
@@ -137,22 +140,33 @@ def run_campaign(
         Results(folder)
         campaign = Campaign.of(plan, folder, master)
         with storing(folder, "; what is done is kept, and the same command resumes"):
-            effort = _run(
+            effort = run_or_say_how_to_go_on(
                 campaign, workers=workers, scheduler=scheduler, insecure=insecure, overwrite=overwrite
             )
-            data = store.open_results(folder)
-            cases = list(summarise(data, plan))
-            files = page.write(data, cases, folder)
+            cases, measured, files = written(campaign)
+    expected = [row.to_json() for row in measured]
     if as_json:
         figures = {case.label: table.for_machines(case) for case in cases}
-        print_json({"campaign": plan.name, "runs": plan.runs, "seed": plan.seed, "cases": figures, **files})
+        about = {"campaign": plan.name, "runs": plan.runs, "seed": plan.seed}
+        print_json({**about, "cases": figures, **({"expected": expected} if expected else {}), **files})
     else:
-        _print(cases, effort, files)
-    raise typer.Exit(int(any(one.stopped for case in cases for one in case.filters.values())))
+        _print(cases, measured, effort, files)
+    stopped = any(one.stopped for case in cases for one in case.filters.values())
+    raise typer.Exit(int(stopped or any(row.missed for row in measured)))
 
 
-def _run(campaign: Campaign, **how: Any) -> Effort:
-    """Run what is missing; an interruption says how to go on.
+def written(campaign: Campaign) -> tuple[list[CaseSummary], list[Row], dict[str, str]]:
+    """What a campaign says, what is expected of it, and the files of its report."""
+    from sim_scenarios.studies import page, store
+    from sim_scenarios.studies.statistics import summarise
+
+    data, plan, measured = store.open_results(campaign.folder), campaign.plan, campaign.measured()
+    cases = list(summarise(data, plan))
+    return cases, measured, page.write(data, cases, campaign.folder, plan.expect, measured)
+
+
+def run_or_say_how_to_go_on(campaign: Campaign, **how: Any) -> Effort:
+    """Run what is missing of a campaign; an interruption says how to go on.
 
     Dask logs a traceback for every connection that is torn; the sentences of this command say it all.
     """
@@ -170,8 +184,8 @@ def _run(campaign: Campaign, **how: Any) -> Effort:
         raise typer.Exit(INTERRUPTED) from None
 
 
-def _print(cases: list[CaseSummary], effort: Effort, files: dict[str, str]) -> None:
-    from sim_scenarios.campaigns import table
+def _print(cases: list[CaseSummary], measured: list[Row], effort: Effort, files: dict[str, str]) -> None:
+    from sim_scenarios.studies import table
 
     for case in cases:
         console().print(case.label, style="bold", highlight=False, markup=False)
@@ -180,6 +194,8 @@ def _print(cases: list[CaseSummary], effort: Effort, files: dict[str, str]) -> N
         if rows := table.own_figures(case):
             print_table(rows)
         console().print()
+    if measured:
+        print_table(table.expectations(measured))
     for chunk in effort.damaged[:MOST_FAILURES]:
         typer.echo(f"{chunk} was lost or damaged; its runs have been done again", err=True)
     for failure in effort.failures[:MOST_FAILURES]:

@@ -18,6 +18,7 @@ COMMANDS: Final = {
     "compare": "compare:compare_filters",
     "campaign": "campaign:run_campaign",
     "paper": "paper:reproduce_paper",
+    "bands": "bands:check_bands",
     "bound": "bound:show_bound",
     "import": "import_recording:import_recording",
     "replay": "replay:replay_recording",

@@ -11,7 +11,7 @@ from typing import Annotated, Final
 import typer
 
 from sim_scenarios import catalogue
-from sim_scenarios.benchmark import filter_steps
+from sim_scenarios.cli.campaign import Insecure, Scheduler, Workers
 from sim_scenarios.cli.options import AsJson, Output, papers
 from sim_scenarios.cli.results import DEFAULT, Results, storing
 from sim_scenarios.cli.terminal import (
@@ -29,7 +29,6 @@ from sim_scenarios.folders import reserved
 from sim_scenarios.papers import Paper, load_paper, page
 from sim_scenarios.papers.claims import Point, Swept, Timed, points
 from sim_scenarios.papers.reproduction import Plan, Plans, plans, result_of, run_plans
-from sim_scenarios.processes import processes, workers_of
 
 Name = Annotated[
     str,
@@ -49,8 +48,6 @@ Runs = Annotated[
     typer.Option("--runs", "-n", min=1, help="Runs of every scenario.", show_default="of the paper"),
 ]
 FirstSeed = Annotated[int, typer.Option("--seed", min=0, help="Seed of the first run; the others count up.")]
-Workers = Annotated[int | None, typer.Option(min=1, help="Processes.", show_default="one for each core")]
-
 
 KEPT: Final = "runs that are done are kept, and the same command goes on with the rest"
 
@@ -62,6 +59,8 @@ def reproduce_paper(
     seed: FirstSeed = 1,
     output: Output = None,
     workers: Workers = None,
+    scheduler: Scheduler = None,
+    insecure: Insecure = False,
     as_json: AsJson = False,
 ) -> None:
     """Reproduce what a paper prints: its figures beside those measured here, and why they differ.
@@ -82,18 +81,25 @@ def reproduce_paper(
     if listing:
         _list(paper, as_json)
         return
+    from sim_scenarios.studies import execution  # slow: Dask
+
     with refusing_bad_input():
         folder = output or DEFAULT / f"paper-{name}"
         Results(folder)
         seeds = range(seed, seed + (runs or paper.runs))
-        with storing(folder, f"; {KEPT}"), reserved(folder, "paper"), _saying_what_is_kept(folder):
+        with (
+            storing(folder, f"; {KEPT}"),
+            reserved(folder, "paper"),
+            _saying_what_is_kept(folder),
+            execution.workers(workers, scheduler, insecure) as working,
+        ):
             planned = plans(paper, seeds, folder)
-            _announce(name, planned, folder, workers_of(workers))
+            _announce(name, planned, folder, working.count)
             sections: list[page.Section] = []
             pictures: list[page.Drawn] = []
             swept: dict[str, list[Point]] = {sweep.name: [] for sweep, _ in planned.sweeps}
-            with processes(workers) as pool, progress(name) as advance:
-                for plan, measured in run_plans(planned.all, pool, advance):
+            with progress(name) as advance:
+                for plan, measured in run_plans(planned.all, working, advance):
                     if plan in planned.experiments:
                         result = result_of(plan, measured)
                         sections.append(page.section(result, _timed(plan)))
@@ -154,6 +160,8 @@ def _timed(plan: Plan) -> Timed | None:
     """How long the steps of an experiment's filters take, if the paper says something of it."""
     if not plan.experiment.time:
         return None
+    from sim_scenarios.benchmark import filter_steps  # slow: readers of recordings
+
     return Timed(plan.experiment, filter_steps(plan.scenario, Fmus()))
 
 

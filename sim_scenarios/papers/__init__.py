@@ -17,12 +17,12 @@ the scenario compares ::
     cost = 2.5                           # seconds of one core a run, as measured
     time = { "UKF / EKF" = "larger" }    # what the paper says of the time of a step
 
-    [[experiment.table]]
+    [[experiment.expect]]                # see `expectations`
     title = "Fig. 3, 300 to 600 s"
     window = [300.0, 600.0]              # s; the scenario's own, if left out
-    differences = { heading = "Why what is measured differs, in a sentence" }
+    why = { heading = "Why what is measured differs, in a sentence" }
 
-    [experiment.table.printed]           # filter, or ratio of two: figures of `metrics.figures`
+    [experiment.expect.figures]
     "UKF" = { heading = 16.9 }
     "robust UKF / UKF" = { heading = 0.25, settling = "sooner" }
 
@@ -33,8 +33,8 @@ the scenario compares ::
 
     [[figure.picture]]                   # any number of them
     experiment = "printed"
-    kind = "run"                         # of `plots.ensemble`
-    panels = ["heading"]                 # of `plots.ensemble.PANELS`
+    kind = "run"                         # of `papers.pictures`
+    panels = ["heading"]                 # of `papers.pictures.PANELS`
     filters = ["UKF"]                    # all, if left out
     window = [300.0, 600.0]              # s; the whole run, if left out
 
@@ -55,7 +55,7 @@ A paper that says no number is quoted in a word. A figure without a number is ou
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, StringConstraints, ValidationError, model_validator
 
@@ -63,45 +63,17 @@ from sim_scenarios import toml
 from sim_scenarios.catalogue import PAPERS, files
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
-from sim_scenarios.metrics.figures import known
-from sim_scenarios.plots.ensemble import PANELS
+from sim_scenarios.papers.pictures import PANELS
 from sim_scenarios.scenario import Table
+from sim_scenarios.studies.expectations import Expectations, known_name
 from sim_scenarios.timeline import Window
-
-OVER: Final = " / "
-"""Between the two filters of a ratio."""
 
 Cost = Annotated[float, Field(gt=0)]
 """Seconds of one core a run."""
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 
 
-def _figure(name: str) -> str:
-    return _known("figure", name, list(known()))
-
-
-def _panel(name: str) -> str:
-    return _known("panel", name, list(PANELS))
-
-
-def _known(what: str, name: str, names: list[str]) -> str:
-    if name in names:
-        return name
-    hint = did_you_mean(name, names) or f"; there are {', '.join(names)}"
-    raise ValueError(f"there is no {what} '{name}'{hint}")
-
-
-FigureName = Annotated[str, AfterValidator(_figure)]
-PanelName = Annotated[str, AfterValidator(_panel)]
-
-
-class Printed(Table):
-    """A table or a picture of a paper, in figures."""
-
-    title: str
-    window: Window | None = None
-    printed: dict[str, dict[FigureName, float | str]]
-    differences: dict[FigureName, str] = Field(default={})
+PanelName = Annotated[str, AfterValidator(lambda name: known_name("panel", name, list(PANELS)))]
 
 
 class Experiment(Table):
@@ -113,12 +85,12 @@ class Experiment(Table):
     residuals: str | None = None
     also: tuple[str, ...] = ()
     cost: Cost
-    table: tuple[Printed, ...] = ()
+    expect: tuple[Expectations, ...] = ()
     time: dict[str, str] = Field(default={})
 
     def labels(self) -> list[str]:
         """Filters that run."""
-        named = [name for table in self.table for what in table.printed for name in what.split(OVER)]
+        named = [name for expectations in self.expect for name in expectations.filters()]
         return list(dict.fromkeys([*named, *self.also]))
 
 
@@ -195,7 +167,7 @@ class Paper(Table):
             if picture.experiment not in labels:
                 raise ValueError(f"there is no experiment '{picture.experiment}'")
             for label in picture.filters:
-                _known("filter", label, labels[picture.experiment])
+                known_name("filter", label, labels[picture.experiment])
         return self
 
     def pictures(self) -> list[Picture]:

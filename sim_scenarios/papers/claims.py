@@ -8,9 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from sim_scenarios.ensemble import Ensemble
 from sim_scenarios.metrics.folds import Estimate, share
-from sim_scenarios.papers import OVER, Experiment, Sweep
+from sim_scenarios.papers import Experiment, Sweep
+from sim_scenarios.studies.ensemble import Ensemble
+from sim_scenarios.studies.expectations import OVER
 
 
 @dataclass(frozen=True)

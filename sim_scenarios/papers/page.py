@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 
 from sim_scenarios import markdown
 from sim_scenarios.connection import parameter
-from sim_scenarios.ensemble import Ensemble
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import filled
 from sim_scenarios.html import render
 from sim_scenarios.papers import Paper, Picture
 from sim_scenarios.papers.claims import Swept, Timed
+from sim_scenarios.papers.pictures import converged, drawn
 from sim_scenarios.papers.reproduction import Result
-from sim_scenarios.plots.ensemble import converged, drawn
 from sim_scenarios.plots.style import png
 from sim_scenarios.scenario import Scenario
+from sim_scenarios.studies.ensemble import Ensemble
 
 Array = NDArray[np.float64]
 

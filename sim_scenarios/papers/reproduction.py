@@ -4,84 +4,21 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 from sim_scenarios.cosimulation import Progress
-from sim_scenarios.ensemble import Ensemble, ensemble, run_file, variables
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.metrics.figures import Figure, known
-from sim_scenarios.papers import OVER, Experiment, Paper, Printed, Sweep
+from sim_scenarios.papers import Experiment, Paper, Sweep
 from sim_scenarios.recordings.folder import RECORDINGS, recording_named
 from sim_scenarios.scenario import Scenario, load_scenario
-from sim_scenarios.timeline import Window
+from sim_scenarios.studies.ensemble import Ensemble, ensemble, run_file, variables
+from sim_scenarios.studies.expectations import Expectations, Row, rows
 
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Row:
-    """A figure of a paper, and the same here.
-
-    Attributes
-    ----------
-    label : str
-        Filter, or the two of a ratio.
-    figure : str
-        Name in `metrics.figures`.
-    printed : float or str
-    measured : float
-        Over all runs, in the unit of the figure; a ratio has none.
-    interval : tuple of float or None
-        Of 95 %; None of a figure that has none, or of a single run.
-    spread : tuple of float or None
-        Smallest and largest of a single run.
-    """
-
-    label: str
-    figure: str
-    printed: float | str
-    measured: float
-    interval: Window | None
-    spread: Window | None
-
-    @property
-    def title(self) -> str:
-        """The figure with its unit."""
-        figure = known()[self.figure]
-        return figure.title if OVER in self.label else figure.label
-
-    def cells(self) -> list[str]:
-        """A line of the table."""
-        measured = _number(self.measured)
-        return [
-            self.label,
-            self.title,
-            _number(self.printed),
-            measured,
-            _range(self.interval),
-            _range(self.spread),
-        ]
-
-    def to_json(self) -> dict[str, Any]:
-        """The same for machines."""
-        return {
-            "filter": self.label,
-            "figure": self.figure,
-            "unit": "1" if OVER in self.label else known()[self.figure].reading.sign,
-            "printed": self.printed,
-            "measured": self.measured if math.isfinite(self.measured) else None,
-            "interval": self.interval,
-            "smallest_and_largest_run": self.spread
-            and [x if math.isfinite(x) else None for x in self.spread],
-        }
+if TYPE_CHECKING:
+    from sim_scenarios.studies.execution import Workers
 
 
 @dataclass(frozen=True)
@@ -129,6 +66,8 @@ class Plan:
         Recording whose residuals join the noise.
     kept : Path
         Folder of its runs; another one for every change of scenario, filters or FMUs.
+    versions : dict of str to str
+        Of the FMUs.
     """
 
     experiment: Experiment
@@ -136,6 +75,7 @@ class Plan:
     seeds: Sequence[int]
     residuals: Path | None
     kept: Path
+    versions: dict[str, str]
 
     @property
     def missing(self) -> int:
@@ -189,7 +129,8 @@ def plans(paper: Paper, seeds: Sequence[int], folder: Path) -> Plans:
         identity = _identity(scenario, experiment, fmus, residuals)
         kept = folder / "runs" / f"{experiment.name.replace(' ', '_')}-{identity}"
         kept.mkdir(parents=True, exist_ok=True)
-        return Plan(experiment, scenario, seeds, residuals, kept)
+        versions = {name: fmus[name].version for name in scenario.fmu_names()}
+        return Plan(experiment, scenario, seeds, residuals, kept, versions)
 
     experiments, left_out = [], []
     for experiment in paper.experiment:
@@ -206,7 +147,7 @@ def plans(paper: Paper, seeds: Sequence[int], folder: Path) -> Plans:
 
 
 def run_plans(
-    planned: Sequence[Plan], pool: ProcessPoolExecutor, progress: Progress = lambda _: None
+    planned: Sequence[Plan], workers: Workers, progress: Progress = lambda _: None
 ) -> Iterator[tuple[Plan, Ensemble]]:
     """Run the experiments of a paper, one after another; each is dropped when the next begins."""
     costs = [plan.cost for plan in planned]
@@ -220,7 +161,7 @@ def run_plans(
         yield (
             plan,
             ensemble(
-                pool,
+                workers,
                 experiment.scenario,
                 plan.seeds,
                 experiment.labels(),
@@ -228,6 +169,7 @@ def run_plans(
                 advance,
                 plan.kept,
                 plan.residuals,
+                plan.versions,
             ),
         )
         done += cost
@@ -235,7 +177,7 @@ def run_plans(
 
 def result_of(plan: Plan, measured: Ensemble) -> Result:
     """An experiment with what it measured, beside what is printed."""
-    tables = [beside(table, measured) for table in plan.experiment.table]
+    tables = [beside(expectations, measured) for expectations in plan.experiment.expect]
     return Result(plan.experiment, plan.scenario, measured, tables)
 
 
@@ -251,43 +193,6 @@ def _identity(scenario: Scenario, experiment: Experiment, fmus: Fmus, residuals:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
 
 
-def beside(table: Printed, measured: Ensemble) -> Reproduced:
+def beside(expectations: Expectations, measured: Ensemble) -> Reproduced:
     """A table of a paper beside what was measured."""
-    rows = [
-        _row(label, name, value, measured, table.window or measured.window)
-        for label, figures in table.printed.items()
-        for name, value in figures.items()
-    ]
-    differences = [f"{known()[name].title}: {why}" for name, why in table.differences.items()]
-    return Reproduced(table.title, rows, differences)
-
-
-def _row(label: str, name: str, printed: float | str, measured: Ensemble, window: Window) -> Row:
-    one, _, other = label.partition(OVER)
-    value = measured.figure(name, one, window, over=other or None)
-    each = [measured.of_each(name, which, window) for which in (one, other) if which]
-    spread = None if other else (float(each[0].min()), float(each[0].max()))
-    return Row(label, name, printed, value, _interval(known()[name], each), spread)
-
-
-def _interval(figure: Figure, each: Sequence[Array]) -> Window | None:
-    """Interval of a figure, or of the ratio of two filters over the same runs, from those of single runs."""
-    if len(each) == 1:
-        estimate = figure.fold.estimate(each[0])
-    elif figure.fold.ratio is not None:
-        estimate = figure.fold.ratio(*each)
-    else:
-        return None
-    return (estimate.lower, estimate.upper) if math.isfinite(estimate.lower) else None
-
-
-def _range(of: Window | None) -> str:
-    return " to ".join(map(_number, of)) if of else ""
-
-
-def _number(value: float | str) -> str:
-    if isinstance(value, str):
-        return value
-    if math.isinf(value):
-        return "never"
-    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+    return Reproduced(expectations.title, [*rows(expectations, measured)], expectations.reasons())

@@ -14,9 +14,6 @@ from typer.testing import CliRunner
 
 import sim_scenarios
 from sim_scenarios import connection, provenance, recording
-from sim_scenarios.campaigns.plan import cases, load_plan
-from sim_scenarios.campaigns.runs import Bench
-from sim_scenarios.campaigns.store import State
 from sim_scenarios.cli.application import app
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
@@ -25,6 +22,9 @@ from sim_scenarios.report import report_comparison, report_run
 from sim_scenarios.runner import why_no_container
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.stepping import Master, Order
+from sim_scenarios.studies.plan import cases, load_plan
+from sim_scenarios.studies.runs import Bench
+from sim_scenarios.studies.store import State
 
 STEP = 0.01
 SOON = {

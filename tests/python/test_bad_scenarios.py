@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from sim_scenarios.campaigns.plan import cases, load_plan
 from sim_scenarios.cli.application import app
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.studies.plan import cases, load_plan
 
 NAMES = ["../..", "/abs", "a/b", "..", ".x", "-x", "a\\b", "a b", "a\nb", "a\x1b[2J", "a\x00", "x" * 300, ""]
 SIGMAS = {

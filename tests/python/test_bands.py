@@ -1,66 +1,110 @@
-"""The Monte-Carlo table: its arithmetic, and that its scenarios and filters exist."""
+"""The bands: that they name what there is, and the command that checks them, stopped and gone on with."""
 
 from __future__ import annotations
 
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
 import pytest
-from made_up import run_with
+from typer.testing import CliRunner
 
-from sim_scenarios.bands import CHECKS, Band, Check, rows
-from sim_scenarios.ensemble import Ensemble
+from sim_scenarios import catalogue
+from sim_scenarios.cli.application import app
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.metrics.figures import FIGURES
-from sim_scenarios.scenario import load_scenario
-from sim_scenarios.units import ARCMIN
+from sim_scenarios.studies import store
+from sim_scenarios.studies.expectations import Band
+from sim_scenarios.studies.plan import cases, load_plan
+from sim_scenarios.studies.store import State
+
+BANDS = catalogue.files(catalogue.BANDS)
 
 
-def runs_with(headings: dict[str, list[float]]) -> Ensemble:
-    """Runs with a constant heading error each [arcmin]."""
-    return Ensemble(
-        {
-            label: [run_with([0.0, 1.0], heading=error * ARCMIN, limit=ARCMIN) for error in each]
-            for label, each in headings.items()
-        }
+@pytest.mark.parametrize("name", BANDS)
+def test_bands_name_a_scenario_its_filters_and_their_reason(name: str, fmus: Fmus) -> None:
+    plan = load_plan(BANDS[name])
+    assert plan.scenarios == (name,)
+    assert cases(plan, fmus)  # refuses filters that are not compared
+    for expectations in plan.expect:
+        assert expectations.why
+        assert all(isinstance(one, Band) for of in expectations.figures.values() for one in of.values())
+
+
+def command(*arguments: object) -> list[str]:
+    return [sys.executable, "-m", "sim_scenarios.bands", *map(str, arguments), "--workers", "2"]
+
+
+def states(folder: Path) -> Mapping[Path, int]:
+    return {file: file.stat().st_mtime_ns for file in folder.glob("*/campaign.zarr/state/[0-9]*")}
+
+
+def finished(folder: Path) -> int:
+    path = folder / store.NAME
+    return store.counts(path)[State.finished] if path.exists() else 0
+
+
+def test_bands_that_are_interrupted_go_on(fmus: Fmus, tmp_path: Path) -> None:  # noqa: ARG001
+    """Between and within scenarios; what is done is not done again, and says the same as in one go."""
+    asked = command("--only", "turn", "zigzag", "-n", 3, "--json", "-o", tmp_path)
+    with subprocess.Popen(asked, stdout=-1, stderr=-1, text=True, start_new_session=True) as running:
+        while finished(tmp_path / "zigzag") == 0:
+            assert running.poll() is None
+            time.sleep(0.02)
+        os.killpg(running.pid, signal.SIGINT)
+        _, said = running.communicate(timeout=300)
+    assert running.returncode == 130
+    assert "the same command resumes" in said
+    before = states(tmp_path)
+    assert 3 < len(before) < 6
+    resumed = subprocess.run(asked, capture_output=True, text=True, check=False)
+    assert states(tmp_path).items() >= before.items()
+    assert (tmp_path / "zigzag" / "report.html").is_file()
+    at_once = CliRunner().invoke(
+        app, ["bands", "turn", "zigzag", "-n", "3", "--json", "-o", str(tmp_path / "b")]
     )
+    assert json.loads(resumed.stdout)["rows"] == json.loads(at_once.stdout)["rows"]
+    assert resumed.returncode == at_once.exit_code
 
 
-def test_rows_are_root_mean_squares_over_runs() -> None:
-    check = Check("any", [Band("a", 4, 6), Band("b", 0, 1), Band("a", 0.9, 1.1, over="b")])
-    runs = runs_with({"a": [3, 4, 7], "b": [4, 3, 7]})
-    a, b, ratio = rows(check, runs, 3)
-    root_mean_square = ((9 + 16 + 49) / 3) ** 0.5
-    assert (a.value, b.value) == pytest.approx((root_mean_square, root_mean_square))
-    assert a.spread == pytest.approx((3, 7))
-    assert ratio.value == pytest.approx(1)
-    assert (a.ok, b.ok, ratio.ok) == (True, False, True)
-    assert a.markdown() == "| any | a | heading RMSE ['] | 4.967 | 3 to 7 | 4 to 6 | ok | `--only any -n 3` |"
-    assert "**missed**" in b.markdown()
-    assert ratio.markdown().startswith("| any | a / b | heading RMSE | 1 |  | 0.9 to 1.1 | ok |")
+SHORT = """
+scenarios = ["turn"]
+set = {{ duration = 20.0, "evaluation.start" = 10.0 }}
+
+[[expect]]
+why = "So that it is {why}."
+
+[expect.figures]
+"UKF" = {{ heading = [0, {high}] }}
+"""
 
 
-def test_a_row_says_what_the_settings_make_of_its_scenario() -> None:
-    check = Check("any", [Band("a", 4, 6)], settings={"plant.seed": 2}, case="seed 2")
-    (row,) = rows(check, runs_with({"a": [5]}), 1)
-    assert row.markdown().startswith("| any, seed 2 | a |")
+@pytest.mark.parametrize(("high", "why", "code"), [(1e6, "ok", 0), (1e-6, "**missed**", 1)])
+def test_the_table_the_page_and_the_exit_code(
+    fmus: Fmus,  # noqa: ARG001
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    high: float,
+    why: str,
+    code: int,
+) -> None:
+    (tmp_path / "short.toml").write_text(SHORT.format(high=high, why=why), encoding="utf-8")
+    monkeypatch.setattr(catalogue, "BANDS", tmp_path)
+    result = CliRunner().invoke(app, ["bands", "-n", "2", "-o", str(tmp_path), "--workers", "1"])
+    assert result.exit_code == code, result.output
+    heading, _, row = result.stdout.splitlines()
+    assert heading == "| case | filter | figure | expected | measured | 95 % | single runs |  |"
+    assert row.startswith("| turn | UKF | heading RMSE ['] | 0 to ")
+    assert row.endswith(f" | {why} |")
+    page = (tmp_path / "short" / "report.html").read_text(encoding="utf-8")
+    assert f"So that it is {why}." in page
 
 
-def test_two_filters_may_have_to_be_one() -> None:
-    check = Check("any", [Band("a", 0, 1e-7, minus="b")])
-    assert check.labels == ["a", "b"]
-    for other, ok in ((3 + 1e-5, True), (3 + 1e-3, False)):  # 3e-9 and 3e-7 rad
-        (row,) = rows(check, runs_with({"a": [3, 5], "b": [other, 5]}), 2)
-        assert row.value == pytest.approx((other - 3) * ARCMIN, rel=1e-6)
-        assert row.ok is ok
-        assert row.markdown().startswith("| any | a - b | largest difference [SI] |")
-
-
-def test_a_band_may_be_open_above() -> None:
-    (row,) = rows(Check("any", [Band("a", 40, float("inf"))]), runs_with({"a": [50]}), 1)
-    assert row.ok
-    assert "| above 40 |" in row.markdown()
-
-
-def test_every_check_names_filters_that_its_scenario_compares(fmus: Fmus) -> None:
-    for check in CHECKS:
-        assert set(load_scenario(check.scenario, fmus).compare) >= set(check.labels), check.scenario
-        assert {band.figure for band in check.bands} <= FIGURES.keys()
-        assert all(band.low < band.high for band in check.bands)
+def test_a_scenario_without_bands_is_refused() -> None:
+    result = CliRunner().invoke(app, ["bands", "zagzig"])
+    assert result.exit_code == 2
+    assert "there are no bands of 'zagzig'" in result.stderr

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from sim_scenarios import provenance
-from sim_scenarios.campaigns.plan import Case, cases, load_plan
-from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.container import obstacle
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.runner import why_no_container
 from sim_scenarios.stepping import Master
+from sim_scenarios.studies.plan import Case, cases, load_plan
+from sim_scenarios.studies.runs import Bench
 
 supported = pytest.mark.skipif(
     obstacle(0.1, 1.0) is not None, reason=f"no container for {platform.system()} {platform.machine()}"

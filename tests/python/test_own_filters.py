@@ -18,12 +18,6 @@ from foreign import DESCRIPTION, foreign
 
 import sim_scenarios
 from sim_scenarios.archives import read_archive, write_archive
-from sim_scenarios.campaigns import campaign
-from sim_scenarios.campaigns.plan import cases, load_plan
-from sim_scenarios.campaigns.runs import Bench
-from sim_scenarios.campaigns.statistics import summarise
-from sim_scenarios.campaigns.store import State
-from sim_scenarios.campaigns.table import figures
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import SIGNALS, Fmus
 from sim_scenarios.matrix import judged
@@ -35,6 +29,12 @@ from sim_scenarios.report import comparison_table, report_comparison, report_run
 from sim_scenarios.runner import why_no_container
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.stepping import Master
+from sim_scenarios.studies.campaign import campaign
+from sim_scenarios.studies.plan import cases, load_plan
+from sim_scenarios.studies.runs import Bench
+from sim_scenarios.studies.statistics import summarise
+from sim_scenarios.studies.store import State
+from sim_scenarios.studies.table import figures
 
 SCENARIO = """
 extends = "swaying_ship"

@@ -16,9 +16,9 @@ import dask
 import pytest
 from distributed import Client, LocalCluster, Security
 
-from sim_scenarios.campaigns import execution
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.processes import processes
+from sim_scenarios.studies import execution
 
 Pool = tuple["subprocess.Popen[str]", list[int]]
 

@@ -15,15 +15,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_up import run_with
 
-from sim_scenarios.bands import Band, Check, rows
-from sim_scenarios.campaigns.quantities import kept
-from sim_scenarios.ensemble import gathered, thinned
 from sim_scenarios.fmus import NAVIGATION_FILTER
 from sim_scenarios.metrics import judge
 from sim_scenarios.metrics.figures import FIGURES
-from sim_scenarios.papers import Printed
-from sim_scenarios.papers.reproduction import beside
 from sim_scenarios.recording import of_filter
+from sim_scenarios.studies.ensemble import gathered, thinned
+from sim_scenarios.studies.expectations import Expectations, asked, rows
+from sim_scenarios.studies.quantities import kept, variable
 from sim_scenarios.timeline import RESOLUTION, Window, inside, instants
 from sim_scenarios.units import ARCMIN
 
@@ -122,15 +120,15 @@ def test_compare_campaign_bands_and_papers_agree_to_the_last_bit(made: Made) -> 
     for label in ("UKF", "EKF"):
         one = of_filter(made.run, label)
         verdict = judge(one).to_json()
-        stored = kept(one, made.period)
-        names = [ours for ours, *_ in SAME]
-        check = Check("any", [Band(label, -np.inf, np.inf, ours) for ours in names])
-        printed = Printed(title="", window=made.window, printed={label: dict.fromkeys(names, 0.0)})
-        of_bands = [told(row.value) for row in rows(check, together, 1)]
-        of_paper = [told(row.measured) for row in beside(printed, together).rows]
-        assert of_bands == of_paper
-        for (ours, kept_as, called, size), found in zip(SAME, of_bands, strict=True):
+        printed = {label: {ours: 0.0 for ours, *_ in SAME}}
+        of_band, of_paper = Expectations(figures=printed), Expectations(window=made.window, figures=printed)
+        stored = kept(one, made.period, asked([of_band, of_paper]))
+        found_of_paper = [told(row.measured) for row in rows(of_paper, together)]
+        assert found_of_paper == [told(row.measured) for row in rows(of_band, together)]
+        for (ours, kept_as, called, size), found in zip(SAME, found_of_paper, strict=True):
             assert told(FIGURES[ours].of(one, made.window) / size) == found, ours
+            for window in (None, made.window):
+                assert told(float(stored[variable(ours, window)]) / size) == found, ours
             if kept_as is not None:
                 assert told(float(stored[kept_as]) / size) == found, ours
             if called in verdict:

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import sim_scenarios
-from sim_scenarios.campaigns import Campaign
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.stepping import Master, Order
+from sim_scenarios.studies.campaign import Campaign
 
 SHORT = {"duration": 20.0, "evaluation.start": 10.0}
 

@@ -12,14 +12,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim_scenarios import provenance
-from sim_scenarios.campaigns.quantities import kept
-from sim_scenarios.campaigns.runs import Bench
 from sim_scenarios.container import obstacle
-from sim_scenarios.ensemble import gathered, thinned
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import judge
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.studies.ensemble import gathered, thinned
+from sim_scenarios.studies.quantities import kept
+from sim_scenarios.studies.runs import Bench
 from sim_scenarios.timeline import inside, instants, whole, within
 from sim_scenarios.units import ARCMIN
 

@@ -22,7 +22,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, StringConstraints, model_validator
 
-from sim_scenarios.bands import CHECKS
+from sim_scenarios.catalogue import BANDS, files
 from sim_scenarios.papers import load_paper
 
 if sys.version_info >= (3, 11):
@@ -152,8 +152,8 @@ def tracked() -> tuple[Path, ...]:
 
 
 def file_named(name: str, *folders: str) -> Path:
-    """The one file of a name below some folders of the project."""
-    found = [path for path in tracked() if path.name == name and path.parts[0] in folders]
+    """The one file of a name, or of the end of a path, below some folders of the project."""
+    found = [p for p in tracked() if f"/{p.as_posix()}".endswith(f"/{name}") and p.parts[0] in folders]
     if len(found) != 1:
         raise LookupError(f"{name}: there are {len(found)} such files in {', '.join(folders)}")
     return found[0]
@@ -171,9 +171,10 @@ def code_of(reference: str) -> tuple[Path, str]:
 def file_of_test(reference: str) -> Path:
     """File of a test."""
     if reference.startswith("bands: "):
-        if reference.removeprefix("bands: ") not in {check.scenario for check in CHECKS}:
+        path = files(BANDS).get(reference.removeprefix("bands: "))
+        if path is None:
             raise LookupError(f"{reference}: there is no such band")
-        return Path("sim_scenarios/bands.py")
+        return path.relative_to(ROOT)
     if "::" in reference:
         name, _, function = reference.partition("::")
         path = file_named(name, "tests")

@@ -69,12 +69,21 @@ class Figure:
 
     def of_runs(self, runs: Sequence[xr.Dataset], window: Window) -> float:
         """That of all runs together."""
+        return self.folded(window, lambda one: one.of_each(runs, window), lambda: runs)
+
+    def folded(
+        self,
+        window: Window,
+        of_each: Callable[[Figure], Array],
+        runs: Callable[[], Sequence[xr.Dataset]],
+    ) -> float:
+        """That of all runs together, from what gives a figure of each, and their errors where those count."""
         if self.fold is OF_ERRORS:
-            return self.of(root_mean_square(runs), window)
+            return self.of(root_mean_square(runs()), window)
         if self.fold is OF_SUMS:
-            over, under = (np.sum(part.of_each(runs, window)) for part in self.parts)
+            over, under = (np.sum(of_each(part)) for part in self.parts)
             return float(over / under) if under > 0 else np.nan
-        return self.fold.estimate(self.of_each(runs, window)).value
+        return self.fold.estimate(of_each(self)).value
 
 
 def figure(

@@ -10,13 +10,12 @@ import pytest
 import xarray as xr
 from made_up import run_with
 
-from sim_scenarios.bands import Band
-from sim_scenarios.campaigns import quantities
 from sim_scenarios.errors import InputError
 from sim_scenarios.metrics import figures, judge
 from sim_scenarios.metrics.figures import FIGURES, Figure, shipped
 from sim_scenarios.metrics.folds import LAST
-from sim_scenarios.papers import Printed
+from sim_scenarios.studies import quantities
+from sim_scenarios.studies.expectations import Expectations, Row
 from sim_scenarios.timeline import Window
 from sim_scenarios.units import ARCMIN
 
@@ -167,8 +166,8 @@ def test_a_figure_of_another_package_is_told_wherever_figures_are(register: Regi
     assert list(quantities.figures())[-1] == "peak"
     assert quantities.outputs()[-1] == "robust.gamma_effective"
     assert quantities.kept(run, 1.0)["peak"] == pytest.approx(30 * ARCMIN)
-    assert Printed(title="", printed={"UKF": {"peak": 1.0}}).printed["UKF"] == {"peak": 1.0}
-    assert Band("UKF", 0, 1, "peak").title == "largest size of the heading [']"
+    assert Expectations(figures={"UKF": {"peak": 1.0}}).figures["UKF"] == {"peak": 1.0}
+    assert Row("UKF", "peak", 1.0, 1.0, None, None).title == "largest size of the heading [']"
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,9 @@ import xarray as xr
 from statuses import FLAGS
 from test_navigation import TIME, WINDOW, consistent
 
-from sim_scenarios.ensemble import gathered, thinned
 from sim_scenarios.metrics import hand_over, judge
 from sim_scenarios.metrics.figures import FIGURES
+from sim_scenarios.studies.ensemble import gathered, thinned
 from sim_scenarios.units import ARCMIN
 
 

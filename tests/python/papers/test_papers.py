@@ -15,16 +15,17 @@ from typer.testing import CliRunner
 from sim_scenarios.catalogue import papers
 from sim_scenarios.cli import paper as command
 from sim_scenarios.cli.application import app
-from sim_scenarios.ensemble import Ensemble
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics.folds import root_mean_square
-from sim_scenarios.papers import Paper, Printed, load_paper
+from sim_scenarios.papers import Paper, load_paper
 from sim_scenarios.papers.claims import Swept, Timed, points
 from sim_scenarios.papers.page import draw, noise_scale
+from sim_scenarios.papers.pictures import drawn
 from sim_scenarios.papers.reproduction import Result, beside, plans
-from sim_scenarios.plots.ensemble import drawn
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.studies.ensemble import Ensemble
+from sim_scenarios.studies.expectations import Expectations
 from sim_scenarios.units import ARCMIN
 
 
@@ -34,9 +35,9 @@ def test_a_paper_names_scenarios_and_filters_that_exist(name: str, fmus: Fmus) -
     for experiment in paper.experiment:
         scenario = load_scenario(experiment.scenario, fmus, settings=experiment.set)
         assert set(scenario.compare) >= set(experiment.labels())
-        for table in experiment.table:
-            told = {figure for figures in table.printed.values() for figure in figures}
-            assert table.differences.keys() <= told
+        for table in experiment.expect:
+            told = {figure for figures in table.figures.values() for figure in figures}
+            assert set(table.why) <= told
             start, stop = table.window or (scenario.evaluation.start, scenario.evaluation.stop)
             assert 0 <= start < stop <= scenario.duration
 
@@ -52,11 +53,11 @@ def test_what_is_measured_stands_beside_what_is_printed() -> None:
             for label, each in headings.items()
         }
     )
-    table = Printed(
+    table = Expectations(
         title="Fig. 3",
         window=(1.0, 2.0),
-        printed={"UKF": {"heading": 16.9, "settling": "late"}, "robust UKF / UKF": {"heading": 0.25}},
-        differences={"heading": "so it is."},
+        figures={"UKF": {"heading": 16.9, "settling": "late"}, "robust UKF / UKF": {"heading": 0.25}},
+        why={"heading": "so it is."},
     )
     result = beside(table, runs)
     interval = root_mean_square([16.0, 12.0])
@@ -79,7 +80,7 @@ def test_what_is_measured_stands_beside_what_is_printed() -> None:
 
 def test_a_figure_that_there_is_not_is_refused() -> None:
     with pytest.raises(ValueError, match="there is no figure 'headings'; did you mean 'heading'"):
-        Printed(title="", printed={"UKF": {"headings": 1.0}})
+        Expectations(figures={"UKF": {"headings": 1.0}})
 
 
 def test_a_paper_that_there_is_not_is_refused() -> None:
@@ -89,7 +90,7 @@ def test_a_paper_that_there_is_not_is_refused() -> None:
 
 def test_a_single_run_has_no_interval() -> None:
     runs = Ensemble({"UKF": [run_with([0.0, 1.0], heading=12 * ARCMIN)]})
-    (row,) = beside(Printed(title="", printed={"UKF": {"heading": 16.9}}), runs).rows
+    (row,) = beside(Expectations(figures={"UKF": {"heading": 16.9}}), runs).rows
     assert row.measured == pytest.approx(12)
     assert row.interval is None
 
@@ -105,14 +106,14 @@ def test_a_single_run_has_no_interval() -> None:
 )
 def test_a_picture_of_what_there_is_not_is_refused(change: dict[str, object], reason: str) -> None:
     picture = {"experiment": "e", "kind": "run", "panels": ["heading"], **change}
-    table = {"title": "t", "printed": {"UKF": {"heading": 1.0}}}
+    table = {"title": "t", "figures": {"UKF": {"heading": 1.0}}}
     content = {
         "name": "p",
         "citation": "c",
         "verdict": "v",
         "runs": 1,
         "figure": [{"number": "Fig. 1", "shows": "s", "here": "h", "picture": [picture]}],
-        "experiment": [{"name": "e", "scenario": "swaying_ship", "cost": 1.0, "table": [table]}],
+        "experiment": [{"name": "e", "scenario": "swaying_ship", "cost": 1.0, "expect": [table]}],
     }
     with pytest.raises(ValueError, match=reason):
         Paper.model_validate(content)

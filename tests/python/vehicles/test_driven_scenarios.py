@@ -11,9 +11,6 @@ import sailing
 import xarray as xr
 
 import sim_scenarios
-from sim_scenarios.campaigns.plan import cases, fingerprint, load_plan
-from sim_scenarios.campaigns.runs import Bench
-from sim_scenarios.campaigns.store import State
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.provenance import attributes
@@ -21,6 +18,9 @@ from sim_scenarios.report import report_run
 from sim_scenarios.runner import why_no_container
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.stepping import Master
+from sim_scenarios.studies.plan import cases, fingerprint, load_plan
+from sim_scenarios.studies.runs import Bench
+from sim_scenarios.studies.store import State
 
 HEAD = """
 extends = "swaying_ship"
