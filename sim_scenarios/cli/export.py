@@ -56,6 +56,14 @@ def export_system(
             show_default=f"{STEP}, or of a recording one in which no two samples come",
         ),
     ] = None,
+    sign: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="KEY",
+            help="PEM file of a private key (Ed25519) to sign the lists of checksums with, for `truenorth "
+            "verify --signed-by`; needs the extra `sign`.",
+        ),
+    ] = None,
     filter_: Through = Filter.alignment,
     heading: Heading = None,
     heading_sigma: HeadingSigma = None,
@@ -92,9 +100,12 @@ def export_system(
         given = settings(set_, set_from)
         with storing(folder):
             if recorded:
-                system = export_recording(what, folder, begun, filter=filter_, set=given, step=step)
+                system = export_recording(
+                    what, folder, begun, filter=filter_, set=given, step=step, sign=sign
+                )
             else:
-                system = export(what, folder, seed=seed, set=given, step=STEP if step is None else step)
+                step = STEP if step is None else step
+                system = export(what, folder, seed=seed, set=given, step=step, sign=sign)
     told = fingerprint(folder)
     files = {"ssp": str(folder / f"{system.name}.ssp"), "readme": str(folder / "README.md")}
     kind = "recording" if recorded else "scenario"

@@ -23,6 +23,13 @@ def verify_export(
             "by another way than the export came.",
         ),
     ] = None,
+    signed_by: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="PUBLIC_KEY",
+            help="PEM file of the public key that the list of checksums must be signed with (Ed25519).",
+        ),
+    ] = None,
     no_run: Annotated[
         bool, typer.Option("--no-run", help="Run nothing of it: do not repeat the reference results.")
     ] = False,
@@ -35,14 +42,14 @@ def verify_export(
         truenorth verify truenorth-export/swaying_ship
         truenorth verify partner/fmi3/AlignmentFilter.fmu --no-run
 
-    The list lies in what it protects: who it is from, only `--expect` can tell. The FMUs are run with your
-    rights, but none whose content does not fit, or whose list is not the expected one. Exit code 0 when all
-    holds, 1 when something does not.
+    The list lies in what it protects: who it is from, only `--expect` or `--signed-by` can tell. The FMUs are
+    run with your rights, but none whose content does not fit, or whose list is not the expected one. Exit
+    code 0 when all holds, 1 when something does not.
     """
     from sim_scenarios.exchange.verification import verify  # slow: FMPy
 
     with refusing_bad_input():
-        checks = verify(path, expect=expect, run=not no_run)
+        checks = verify(path, expect=expect, signed_by=signed_by, run=not no_run)
     holds = all(check.holds for check in checks)
     if as_json:
         print_json({"path": str(path), "holds": holds, "checks": [asdict(check) for check in checks]})

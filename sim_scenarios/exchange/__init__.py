@@ -16,8 +16,10 @@
     provenance.json           what it was made from and by
     sbom.cdx.json             software bill of materials of the FMUs, CycloneDX
     SHA256SUMS                checksums of all that; `truenorth verify` and `sha256sum --check` read it
+    SHA256SUMS.sig            signature of that list, if a key was given
 
-Each FMU has provenance, bill of materials and its own list of checksums, below extra/org.truenorth.
+Each FMU has provenance, bill of materials and its own list of checksums, signed like that of the folder,
+below extra/org.truenorth.
 """
 
 from __future__ import annotations
@@ -34,6 +36,7 @@ from sim_scenarios.exchange import checksums, documents, evidence, reference, re
 from sim_scenarios.exchange.driven import with_vehicle
 from sim_scenarios.exchange.forms import FMI2, FORMS, Form
 from sim_scenarios.exchange.recorded import of_recording
+from sim_scenarios.exchange.signature import Sign, signer
 from sim_scenarios.exchange.system import Component, System, of_scenario
 from sim_scenarios.fmus import PLAYBACK, Fmus
 from sim_scenarios.folders import filled, temporary
@@ -62,6 +65,7 @@ def export(
     set: Mapping[str, object] | None = None,  # noqa: A002  (the word of the command line)
     step: float = STEP,
     fmus: Fmus | None = None,
+    sign: Path | None = None,
 ) -> System:
     """Write a scenario with its filter for partners.
 
@@ -73,12 +77,15 @@ def export(
         Where to; files of the same names are replaced, and those of an earlier export removed.
     step : float
         Communication step [s].
+    sign : Path, optional
+        PEM file of a private key of Ed25519 that signs the lists of checksums.
 
     Returns
     -------
     System
         What was written.
     """
+    key = signer(sign) if sign else None
     fmus = fmus or Fmus()
     settings = {**(set or {}), "communication_step": step}
     loaded = load_scenario(scenario, fmus, seed=seed, settings=settings)
@@ -88,7 +95,7 @@ def export(
     with TemporaryDirectory(dir=temporary()) as place:
         if vehicle is not None:
             system = with_vehicle(system, vehicle, fmus[PLAYBACK], Path(place))
-        _write(system, folder, {"seed": seed, **(set or {})}, lambda: _report(loaded, fmus))
+        _write(system, folder, {"seed": seed, **(set or {})}, lambda: _report(loaded, fmus), key)
     return system
 
 
@@ -101,6 +108,7 @@ def export_recording(
     set: Mapping[str, object] | None = None,  # noqa: A002
     step: float | None = None,
     fmus: Fmus | None = None,
+    sign: Path | None = None,
 ) -> System:
     """Write a recording with what it goes through for partners.
 
@@ -114,6 +122,8 @@ def export_recording(
         As for `replay`; besides, parameters of Playback.
     step : float, optional
         Communication step [s]; by default one in which no two samples come.
+    sign : Path, optional
+        As for `export`.
 
     Returns
     -------
@@ -125,6 +135,7 @@ def export_recording(
     InputError
         When the recording lacks what is needed, or a setting is wrong.
     """
+    key = signer(sign) if sign else None
     task, start, fmus, set = Filter(filter), start or Start(), fmus or Fmus(), set or {}  # noqa: A001
     if not isinstance(recording, Recording):
         recording = load(Path(recording))
@@ -137,11 +148,17 @@ def export_recording(
             run = replay_recording(recording, start, filter=task, set=of_filters, fmus=fmus)
             return report.report_replay(run, Path(place) / "report").read_bytes()
 
-        _write(system, folder, dict(set), page)
+        _write(system, folder, dict(set), page, key)
     return system
 
 
-def _write(system: System, folder: Path, settings: Mapping[str, object], page: Callable[[], bytes]) -> None:
+def _write(
+    system: System,
+    folder: Path,
+    settings: Mapping[str, object],
+    page: Callable[[], bytes],
+    sign: Sign | None,
+) -> None:
     """The folder of a system; `page` makes its report. What is left of an earlier export there is removed."""
     results = reference.simulate(system)
     about: dict[str, str | bytes] = {
@@ -152,15 +169,17 @@ def _write(system: System, folder: Path, settings: Mapping[str, object], page: C
     with filled(folder) as draft:
         written = _Folder(draft)
         for form in FORMS:
-            _write_form(system, results, form, about, written)
+            _write_form(system, results, form, about, written, sign)
         for name, content in {
             "OspSystemStructure.xml": documents.osp(system),
-            "README.md": documents.readme(system, results),
+            "README.md": documents.readme(system, results, signed=sign is not None),
             "report.html": page(),
             **about,
         }.items():
             written.add(name, content)
-        written.add(checksums.NAME, checksums.listed(written.files))
+        for name, content in checksums.with_list(written.files, sign=sign).items():
+            if name not in written.files:
+                written.add(name, content)
     for name in before:
         if name not in written.files:
             _remove(folder, name)
@@ -205,6 +224,7 @@ def _write_form(
     form: Form,
     about: Mapping[str, str | bytes],
     folder: _Folder,
+    sign: Sign | None,
 ) -> None:
     """The FMUs of one version of FMI, what goes with each of them, and their system."""
     parts: dict[str, str | bytes] = {"SystemStructure.ssd": documents.system_structure(system, form)}
@@ -214,6 +234,7 @@ def _write_form(
             folder.add(form.place(name), content)
         fmu = f"{component.fmu.name}.fmu"
         members = _fmu_members(system, component, form, files, about)
+        members = checksums.with_list(members, evidence.FOLDER, sign)
         parts[f"resources/{fmu}"] = folder.add(f"{form.name}/{fmu}", archive_bytes(members))
         # libcosim aborts at an enumeration in an SSP; the FMUs begin with the right ones
         bound = documents.parameters(system, component, form, enumerations=form is not FMI2)
@@ -228,7 +249,7 @@ def _fmu_members(
     files: Mapping[str, str | bytes],
     about: Mapping[str, str | bytes],
 ) -> dict[str, bytes]:
-    """An FMU with its start values, its reference experiment and the evidence."""
+    """An FMU with its start values, its reference experiment and the evidence but for its list."""
     built = read_archive(form.archive(component.fmu))
     experiment = {
         documents.experiment_file(system, name): content
@@ -242,7 +263,7 @@ def _fmu_members(
         **{f"{replay.FOLDER}/{name}": content for name, content in experiment.items()},
         **{f"{evidence.FOLDER}/{name}": content for name, content in about.items()},
     }
-    return checksums.with_list({**built, **{n: as_bytes(c) for n, c in added.items()}}, evidence.FOLDER)
+    return {**built, **{name: as_bytes(content) for name, content in added.items()}}
 
 
 def _component_files(

@@ -9,8 +9,11 @@ from pathlib import Path
 from typing import IO, Final
 
 from sim_scenarios.archives import of_members
+from sim_scenarios.exchange.signature import Sign
 
 NAME = "SHA256SUMS"
+SIGNATURE = f"{NAME}.sig"
+"""Of the list, beside it; it is not listed."""
 _PIECE: Final = 2**20  # bytes that are read at a time
 _LINE = re.compile(r"([0-9a-f]{64})  ([^\n\0]+)")
 
@@ -20,9 +23,11 @@ def listed(files: Mapping[str, bytes]) -> str:
     return "".join(f"{hashlib.sha256(files[name]).hexdigest()}  {name}\n" for name in sorted(files))
 
 
-def with_list(files: Mapping[str, bytes], folder: str) -> dict[str, bytes]:
-    """Files together with their list, which lies in a folder among them."""
-    return {**files, f"{folder}/{NAME}": listed(files).encode()}
+def with_list(files: Mapping[str, bytes], folder: str = "", sign: Sign | None = None) -> dict[str, bytes]:
+    """Files together with their list, which lies in a folder among them, and perhaps its signature."""
+    place, content = f"{folder}/" if folder else "", listed(files).encode()
+    signature = {f"{place}{SIGNATURE}": sign(content)} if sign else {}
+    return {**files, f"{place}{NAME}": content, **signature}
 
 
 def of_archive(archive: Path) -> dict[str, str]:
@@ -31,15 +36,15 @@ def of_archive(archive: Path) -> dict[str, str]:
 
 
 def of_folder(folder: Path) -> dict[str, str]:
-    """SHA-256 of the files below a folder by their names, the list itself left out.
+    """SHA-256 of the files below a folder by their names, the list itself and its signature left out.
 
     A link, an empty folder or what else no export has is named as well, with a sum that no file has.
     """
-    own = folder / NAME
+    own = (folder / NAME, folder / SIGNATURE)
     return {
         path.relative_to(folder).as_posix(): _digest_of(path)
         for path in _leaves(folder)
-        if path != own or path.is_symlink()
+        if path not in own or path.is_symlink() or not path.is_file()
     }
 
 
@@ -55,11 +60,15 @@ def differences(found: Mapping[str, str], checksums: bytes) -> list[str]:
 
 
 def unchanged(folder: Path) -> list[str]:
-    """Names of the files of a folder that are as the list in it says; none where there is no list."""
+    """Names of the files of a folder that are as the list in it says, and of the list's signature.
+
+    There are none where there is no list.
+    """
     own = folder / NAME
     expected = (_expected(own.read_bytes()) if own.is_file() else None) or {}
     names = {path.relative_to(folder).as_posix(): path for path in _leaves(folder)} if expected else {}
-    return [name for name, path in names.items() if name in expected and _digest_of(path) == expected[name]]
+    same = [name for name, path in names.items() if name in expected and _digest_of(path) == expected[name]]
+    return [*same, SIGNATURE] if SIGNATURE in names else same
 
 
 def _expected(checksums: bytes) -> dict[str, str] | None:

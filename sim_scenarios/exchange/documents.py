@@ -59,14 +59,14 @@ def options(system: System) -> str:
     )
 
 
-def readme(system: System, results: Mapping[str, Results]) -> str:
+def readme(system: System, results: Mapping[str, Results], *, signed: bool) -> str:
     """README for the partner, with the last row of the results, and of a recording where it begins."""
     estimates = results[system.filter.name].outputs
     final = {name: float(estimates[name][-1]) for name in FINAL}
     told = results[system.plant.name].outputs
     begin = float(told["recording.time"][0]) if system.recorded else None
     platforms = sorted(set.intersection(*(_platforms(component) for component in system.components)))
-    return _render("README.md", system=system, begin=begin, final=final, platforms=platforms)
+    return _render("README.md", system=system, begin=begin, final=final, platforms=platforms, signed=signed)
 
 
 def _platforms(component: Component) -> set[str]:

@@ -14,18 +14,21 @@ from lxml import etree
 
 from sim_scenarios.archives import is_as_written, read_archive
 from sim_scenarios.errors import InputError
-from sim_scenarios.exchange import checksums, replay
+from sim_scenarios.exchange import checksums, replay, signature
 from sim_scenarios.exchange.evidence import FOLDER
 
 LIST = f"{FOLDER}/{checksums.NAME}"
 """The list of checksums in an FMU."""
+SIGNATURE = f"{FOLDER}/{checksums.SIGNATURE}"
+"""Its signature."""
 TOLD = "The list of checksums is the one that was told"
+SIGNED = "The list of checksums is signed with the key that was given"
 NOT_RUN = "The FMUs were not run"
 SCHEMAS = Path(fmpy.__file__).parent / "ssp" / "schema"
 KINDS = {".ssd": "Description", ".ssv": "ParameterValues"}
 """Documents of a system that have a schema, by the ends of their names."""
-TOLERANCE = {True: 1e-6, False: 1e-9}
-"""Largest difference from the reference of an FMU with inputs, and of one without."""
+TOLERANCE = 1e-9
+"""Largest difference from the reference, of the largest value of each output."""
 _SHA256 = re.compile(r"[0-9a-fA-F]{64}")
 
 
@@ -47,7 +50,9 @@ class Check:
     findings: list[str]
 
 
-def verify(path: Path, *, expect: str | None = None, run: bool = True) -> list[Check]:
+def verify(
+    path: Path, *, expect: str | None = None, signed_by: Path | None = None, run: bool = True
+) -> list[Check]:
     """Look at a folder that `truenorth export` wrote, or at one FMU of it.
 
     Parameters
@@ -57,13 +62,15 @@ def verify(path: Path, *, expect: str | None = None, run: bool = True) -> list[C
     expect : str, optional
         SHA-256 of the list of checksums, as it was told by another way than the export came. Whoever can
         change the export can change the list in it as well.
+    signed_by : Path, optional
+        PEM file of the public key of Ed25519 that the signature of the list must belong to.
     run : bool
         Whether the reference results are repeated. It runs what is in the FMUs, with the rights of the user.
 
     Returns
     -------
     list of Check
-        Nothing is run whose content does not fit its list, or whose list is not the expected one.
+        Nothing is run whose content does not fit its list, or whose list is not the expected or a signed one.
 
     Raises
     ------
@@ -72,6 +79,7 @@ def verify(path: Path, *, expect: str | None = None, run: bool = True) -> list[C
     """
     if expect is not None and not _SHA256.fullmatch(expect):
         raise InputError(f"{expect!a} is no SHA-256: must have 64 hexadecimal digits")
+    is_signed = signature.signed_by(signed_by) if signed_by else None
     if path.is_dir():
         contents = content_of_folder(path)
         archives = sorted(path.rglob("*.fmu"))
@@ -83,23 +91,31 @@ def verify(path: Path, *, expect: str | None = None, run: bool = True) -> list[C
     fits = "The content fits its own list of checksums"
     if contents:
         return [Check(fits, False, contents), Check(NOT_RUN, False, ["the content has changed"])]
-    found = fingerprint(path)
+    listed, signed = _vouched(path)
+    found = _sha256(listed)
     checks = [Check(fits, True, [f"SHA-256 of the list: {found}"])]
-    if expect is None:
-        checks[0].findings.append("nobody vouches for its origin: no SHA-256 was given to be expected")
-    elif found != expect.lower():
-        other = Check(TOLD, False, [f"the SHA-256 of the list must be {expect.lower()}"])
-        return [*checks, other, Check(NOT_RUN, False, ["the list is another one"])]
-    else:
-        checks.append(Check(TOLD, True, []))
+    if expect is None and signed_by is None:
+        checks[0].findings.append(
+            "nobody vouches for its origin: neither a SHA-256 nor a public key was given"
+            + (", and the signature was not looked at" if signed else "")
+        )
+    if expect is not None:
+        told = found == expect.lower()
+        checks.append(
+            Check(TOLD, told, [] if told else [f"the SHA-256 of the list must be {expect.lower()}"])
+        )
+    if is_signed is not None:
+        wrong = "it has no signature" if not signed else f"it is not signed with the key of {signed_by}"
+        checks.append(Check(SIGNED, holds := is_signed(listed, signed), [] if holds else [wrong]))
+    if not all(check.holds for check in checks):
+        return [*checks, Check(NOT_RUN, False, ["the list is another one"])]
     looks = [(_valid, archives), (_described, systems), (_repeated, archives if run else [])]
     return [*checks, *(_looked_at(look, part) for look, parts in looks for part in parts)]
 
 
 def fingerprint(path: Path) -> str:
     """SHA-256 of the list of checksums in a folder or an FMU: to be told by another way than these come."""
-    listed = (path / checksums.NAME).read_bytes() if path.is_dir() else _list_in(path)[LIST]
-    return hashlib.sha256(listed).hexdigest()
+    return _sha256(_vouched(path)[0])
 
 
 def content_of_folder(folder: Path) -> list[str]:
@@ -107,25 +123,43 @@ def content_of_folder(folder: Path) -> list[str]:
     listed = folder / checksums.NAME
     if not listed.is_file():
         raise InputError(f"{listed} is missing; {folder} is not from `truenorth export`")
-    return checksums.differences(checksums.of_folder(folder), listed.read_bytes())
+    different = checksums.differences(checksums.of_folder(folder), listed.read_bytes())
+    return [*different, *_unfit(_vouched(folder)[1])]
 
 
 def content_of_fmu(archive: Path) -> list[str]:
     """Differences from the list of checksums in an FMU."""
     try:
-        found, listed = checksums.of_archive(archive), _list_in(archive)
+        found = checksums.of_archive(archive)
+        listed, signed = _vouched(archive)
         as_written = is_as_written(archive)
     except InputError as error:
         return [str(error)]
     if found.pop(LIST, None) is None:
         return [f"{archive.name} has no {LIST}; it is damaged, or not from `truenorth export`"]
-    different = checksums.differences(found, listed[LIST])
+    found.pop(SIGNATURE, None)
+    different = [*checksums.differences(found, listed), *_unfit(signed)]
     return different if as_written else [*different, f"{archive.name}: the zip archive has changed"]
 
 
-def _list_in(archive: Path) -> dict[str, bytes]:
-    """The list of an FMU by its name, if there is one."""
-    return read_archive(archive, lambda name: name == LIST)
+def _vouched(path: Path) -> tuple[bytes, bytes]:
+    """The list of checksums of a folder or an FMU, and its signature; empty where there is none."""
+    if path.is_dir():
+        files = (path / checksums.NAME, path / checksums.SIGNATURE)
+        listed, signed = (file.read_bytes() if file.is_file() else b"" for file in files)
+        return listed, signed
+    members = read_archive(path, lambda name: name in (LIST, SIGNATURE))
+    return members.get(LIST, b""), members.get(SIGNATURE, b"")
+
+
+def _unfit(signed: bytes) -> list[str]:
+    """What is wrong with a signature, whoever made it."""
+    fits = len(signed) in (0, signature.SIZE)
+    return [] if fits else [f"{checksums.SIGNATURE} is damaged"]
+
+
+def _sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
 
 
 def _looked_at(look: Callable[[Path], Check], part: Path) -> Check:
@@ -165,10 +199,9 @@ def _repeated(archive: Path) -> Check:
     """The reference experiment of an FMU, run here."""
     members = read_archive(archive, lambda name: name.startswith(f"{replay.FOLDER}/"))
     experiment = replay.experiment(members)
-    limit = TOLERANCE[bool(experiment.inputs)]
     found = replay.difference(archive, experiment)
-    outcome = "equal" if found == 0 else f"largest difference {found:.1e}, limit {limit:g}"
-    return Check(f"{_named(archive)} repeats its reference results", found <= limit, [outcome])
+    outcome = "equal" if found == 0 else f"largest difference {found:.1e}, limit {TOLERANCE:g}"
+    return Check(f"{_named(archive)} repeats its reference results", found <= TOLERANCE, [outcome])
 
 
 def _named(archive: Path) -> str:

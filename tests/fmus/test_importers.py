@@ -32,7 +32,9 @@ from sim_scenarios.cli.application import app
 from sim_scenarios.exchange import STEP
 from sim_scenarios.exchange.forms import FMI2, FMI3, Form
 from sim_scenarios.exchange.recorded import of_recording
+from sim_scenarios.exchange.replay import ATOM
 from sim_scenarios.exchange.system import System, of_scenario
+from sim_scenarios.exchange.verification import TOLERANCE
 from sim_scenarios.fmus import Fmu, Fmus
 from sim_scenarios.recordings import load as load_recording
 from sim_scenarios.recordings.replay import Filter
@@ -45,15 +47,12 @@ def test_the_page_is_made_of_what_was_measured() -> None:
     assert importer_table.load()
     for cell in importer_table.load():
         assert cell["scenario"] in (*SCENARIOS, RECORDING)
-        assert cell["outcome"] in LIMITS_OF_FMPY.values() or float(cell["outcome"]) <= TOLERANCE
+        assert cell["outcome"] in LIMITS.values() or float(cell["outcome"]) <= TOLERANCE
 
 
-SCENARIOS = ("swaying_ship", "align_then_navigate", "flight_loose_tight")
+SCENARIOS = ("swaying_ship", "align_then_navigate", "flight_loose_tight", "dvl_alignment", "car_odometer")
 RECORDING = "recorded_ship"
 """20 s of the plant's signals in a CSV file."""
-TOLERANCE = 1e-9
-ATOM = 1e-6
-"""Largest value up to which an output counts as zero but for rounding, in SI units."""
 
 
 @dataclass(frozen=True)
@@ -236,40 +235,97 @@ def test_c_program(form: Form, exported: Exported, reached: Record, tmp_path: Pa
 
 # ------------------------------------------------------------------ one FMU at a time
 
+Words = list[str | Path]
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a command line is to do: run an FMU with the inputs, if there are any, and write some outputs."""
+
+    fmu: Path
+    inputs: Path | None
+    output: Path
+    shown: list[str]
+
 
 @pytest.mark.parametrize("form", [FMI2, FMI3], ids=lambda form: form.name)
 def test_fmpy_command_line(form: Form, exported: Exported, reached: Record, tmp_path: Path) -> None:
     """Each FMU with the inputs of the folder, by its step; what FMPy would choose is coarser."""
-    command = [sys.executable, "-m", "fmpy", "simulate", "--output-interval", str(exported.system.step)]
+
+    def command(job: Job) -> Words:
+        words = [sys.executable, "-m", "fmpy", "simulate", job.fmu, "--output-file", job.output]
+        words += ["--output-interval", str(exported.system.step), "--output-variables", *job.shown]
+        return [*words, "--input-file", job.inputs] if job.inputs else words
+
     importer = importer_table.Importer("FMPy", version("fmpy"), "command line", form.fmi)
     reached(importer, worst_of(exported, form, command, tmp_path))
 
 
-LIMITS_OF_FMPY = {
+@pytest.mark.parametrize("form", [FMI2, FMI3], ids=lambda form: form.name)
+def test_fmusim(form: Form, exported: Exported, reached: Record, tmp_path: Path) -> None:
+    """The simulator of the Modelica Association, in Rust, where it is: with the step that the FMUs state."""
+    program = program_of("fmusim")
+
+    def command(job: Job) -> Words:
+        words = [program, "simulate", job.fmu, "--output-file", job.output]
+        words += [word for name in job.shown for word in ("--output-variable", name)]
+        return [*words, "--input-file", job.inputs] if job.inputs else words
+
+    importer = importer_table.Importer("fmusim", version_of(program), "command line", form.fmi)
+    reached(importer, worst_of(exported, form, command, tmp_path))
+
+
+@pytest.mark.parametrize("form", [FMI2, FMI3], ids=lambda form: form.name)
+def test_fmi_sim(form: Form, exported: Exported, reached: Record, tmp_path: Path) -> None:
+    """The simulator of rust-fmi, where it is: with the step that the FMUs state."""
+    program = program_of("fmi-sim")
+
+    def command(job: Job) -> Words:
+        words = [program, "--model", job.fmu, "--output-file", job.output]
+        return [*words, *(["--input-file", job.inputs] if job.inputs else []), "co-simulation"]
+
+    importer = importer_table.Importer("fmi-sim (rust-fmi)", version_of(program), "command line", form.fmi)
+    reached(importer, worst_of(exported, form, command, tmp_path))
+
+
+def program_of(name: str) -> Path:
+    """A program that no registry of Python has."""
+    found = shutil.which(name)
+    if found is None:
+        pytest.skip(f"there is no {name}")
+    return Path(found)
+
+
+def version_of(program: Path) -> str:
+    """Version that a program tells, after its name."""
+    said = subprocess.run([program, "--version"], check=False, capture_output=True, text=True)
+    return (said.stdout + said.stderr).split()[-1]
+
+
+LIMITS = {
     "occurs more than once": "cannot read `x[1,2]` in a CSV",
     "is out of bounds for axis 0": "cannot feed discrete arrays",
 }
-"""What FMPy 0.3.32 says of what it cannot do, and what that is."""
+"""What command lines say of what they cannot do, and what that is."""
 
 
-def worst_of(exported: Exported, form: Form, command: list[str], folder: Path) -> float | str:
+def worst_of(exported: Exported, form: Form, command: Callable[[Job], Words], folder: Path) -> float | str:
     """Largest difference of what a command line makes of the FMUs, one after the other; or its limit."""
     differences = []
     for component in exported.system.components:
         name = component.fmu.name
-        output = folder / f"{name}.csv"
         reference = exported.reference(name, form)
-        shown = [column for column in reference.dtype.names if column != "time"]
         inputs = exported.folder / form.place(f"reference/{name}_in.csv")
-        finished = subprocess.run(
-            [*command, exported.fmu(name, form), "--output-file", output, "--output-variables", *shown,
-             *(["--input-file", inputs] if inputs.exists() else [])],
-            check=False, capture_output=True, text=True, cwd=folder,
-        )  # fmt: skip
+        job = Job(
+            exported.fmu(name, form),
+            inputs if inputs.exists() else None,
+            folder / f"{name}.csv",
+            [column for column in reference.dtype.names if column != "time"],
+        )
+        finished = subprocess.run(command(job), check=False, capture_output=True, text=True, cwd=folder)
         if finished.returncode:
-            said = finished.stderr.splitlines()[-1]
-            limits = [limit for words, limit in LIMITS_OF_FMPY.items() if words in said]
-            assert limits, said
+            limits = [limit for words, limit in LIMITS.items() if words in finished.stderr]
+            assert limits, finished.stderr
             return limits[0]
-        differences.append(table_difference(importer_table.read_csv(output), reference))
+        differences.append(table_difference(importer_table.read_csv(job.output), reference))
     return max(differences)

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 from archives import FMUS
+from cryptography.hazmat.primitives import serialization as pem
+from cryptography.hazmat.primitives.asymmetric import ed25519
 from typer.testing import CliRunner
 
 from sim_scenarios.archives import archive_bytes, read_archive
@@ -136,6 +138,24 @@ def test_an_export_takes_the_place_of_an_earlier_one(folder: Path, tmp_path: Pat
     (copy / "changed.txt").unlink()
     (copy / "notes.txt").unlink()
     assert verify(copy, run=False)[0].holds
+
+
+def test_a_signed_export_is_known_by_its_key(tmp_path: Path) -> None:
+    key = ed25519.Ed25519PrivateKey.generate()
+    private, public, folder = tmp_path / "key.pem", tmp_path / "public.pem", tmp_path / "export"
+    private.write_bytes(key.private_bytes(pem.Encoding.PEM, pem.PrivateFormat.PKCS8, pem.NoEncryption()))
+    public.write_bytes(key.public_key().public_bytes(pem.Encoding.PEM, pem.PublicFormat.SubjectPublicKeyInfo))
+    short = [f"--set={name}={value}" for name, value in SHORT.items()]
+    command = ["export", "swaying_ship", "--output", str(folder), *short]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TRUENORTH_FMUS", str(FMUS))
+        for options, signed in ((["--sign", str(private)], True), ([], False)):
+            result = CliRunner().invoke(app, [*command, *options])
+            assert result.exit_code == 0, result.output
+            assert (folder / checksums.SIGNATURE).exists() is signed
+            for path in (folder, folder / "fmi3" / "AlignmentFilter.fmu"):
+                checks = verify(path, signed_by=public, run=False)
+                assert all(check.holds for check in checks) is signed, checks
 
 
 def test_a_file_more_or_less_is_found(folder: Path, tmp_path: Path) -> None:
