@@ -20,7 +20,8 @@ def campaign() -> str:
     return render(
         "campaign.html",
         **{"title": SLY, "description": SLY, "runs": 1, "seed": 1, "cases": [], "by_scenario": []},
-        **{"about": {}, "content": "{}", "plotly": "", "script": script, "scripts": [script, "plotly"]},
+        **{"expected": [], "reasons": [], "about": {}, "content": "{}", "plotly": ""},
+        **{"script": script, "scripts": [script, "plotly"]},
     )
 
 
