@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios import markdown
-from sim_scenarios.campaigns import pictures, store, table
+from sim_scenarios.campaigns import pictures, regret, store, table
 from sim_scenarios.campaigns.quantities import ERRORS
 from sim_scenarios.campaigns.statistics import CaseSummary, Course, Summary
 from sim_scenarios.folders import filled
@@ -35,7 +35,7 @@ def write(data: xr.Dataset, cases: Sequence[CaseSummary], folder: Path) -> dict[
     with filled(folder, anew=True) as draft:
         for case in cases:
             pictures.draw(case, draft / names[case.label])
-        tables = [markdown.table(rows) for _, rows in _overviews(cases)]
+        tables = [markdown.table(rows) for _, rows in _overviews(data, cases)]
         (draft / "table.md").write_text("\n".join(tables), encoding="utf-8")
         (draft / "report.html").write_text(_html(data, cases), encoding="utf-8")
     there = {"report": "report.html", "table": "table.md", "data": store.NAME}
@@ -51,7 +51,7 @@ def _html(data: xr.Dataset, cases: Sequence[CaseSummary]) -> str:
         runs=data.attrs["runs"],
         seed=data.attrs["seed"],
         cases=[(case, _tables(case)) for case in cases],
-        overviews=_overviews(cases),
+        overviews=_overviews(data, cases),
         about={label: {**case, "command": _command(case, data)} for label, case in about.items()},
         **interactive("campaign.js", _content(data, cases)),
     )
@@ -63,12 +63,13 @@ def _tables(case: CaseSummary) -> list[table.Rows]:
     return [rows for rows in tables if rows]
 
 
-def _overviews(cases: Sequence[CaseSummary]) -> list[tuple[str, table.Rows]]:
+def _overviews(data: xr.Dataset, cases: Sequence[CaseSummary]) -> list[tuple[str, table.Rows]]:
     """Tables of every filter in every case with their titles, those that there is something to say in."""
     tables = {
         "Every filter in every scenario": table.by_scenario(cases),
         "Wrongly sure": table.wrongly_sure(cases),
         "Time to recover from a fault": table.recoveries(cases),
+        **regret.tables(data),
     }
     return [(title, rows) for title, rows in tables.items() if rows]
 
