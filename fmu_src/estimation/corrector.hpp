@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "estimation/adaptive_factor.hpp"
+#include "estimation/combined.hpp"
 #include "estimation/gaussian.hpp"
 #include "estimation/h_infinity.hpp"
 #include "estimation/igg.hpp"
@@ -20,7 +21,7 @@ namespace truenorth {
 template <int N, int M>
 class Corrector {
   public:
-    enum class Method { standard, h_infinity, igg, adaptive_factor, variational_bayes };
+    enum class Method { standard, h_infinity, igg, adaptive_factor, variational_bayes, combined };
 
     Method method = Method::standard;
     InnovationGate gate;
@@ -34,6 +35,7 @@ class Corrector {
     Igg<N> igg;
     AdaptiveFactor<N> adaptive_factor;
     VariationalBayes<M> variational_bayes;
+    Combined<M> combined;  // judges by the gate's threshold itself, whether the gate is enabled or not
 
     // Third phase of the filter step. What the gate does not admit changes nothing and has no weight; nor has
     // an epoch without channels, which says nothing, of the prediction neither.
@@ -41,7 +43,17 @@ class Corrector {
 
     // Its settings hold sigmas of the states, so that it matters which errors these are of.
     [[nodiscard]] bool knows_sigmas() const {
-        return method == Method::h_infinity || method == Method::igg || method == Method::adaptive_factor;
+        return method == Method::h_infinity || method == Method::igg || method == Method::adaptive_factor ||
+               method == Method::combined;
+    }
+
+    // What the last measurement was too large for; of the other correctors, nothing is told.
+    [[nodiscard]] Cause cause() const { return method == Method::combined ? combined.cause() : Cause::none; }
+
+    // Forgets what has been learned of a channel, which belongs to another source from now on.
+    void restart(int channel) {
+        variational_bayes.restart(channel);
+        combined.restart(channel);
     }
 
     // The gate has refused as many measurements in a row as it may.
@@ -57,11 +69,12 @@ class Corrector {
         contradictions_ = 0;
         igg.restart();
         variational_bayes.restart();
+        combined.restart();
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(refused_, contradictions_, igg, variational_bayes);
+        archive(refused_, contradictions_, igg, variational_bayes, combined);
     }
 
   private:
@@ -83,11 +96,13 @@ Correction<N, M> Corrector<N, M>::correct(const Matrix<N>& prior, const Innovati
     }
     const double nis = truenorth::nis(innovation);
     bool explained = gate.explains(nis, channels);
-    const bool admitted = gate_stands_open || gate.admits(nis, channels);
-    refused_ = admitted ? 0 : std::min(refused_ + 1, patience);
+    const bool judged = method == Method::combined;
+    const bool admitted = judged || gate_stands_open || gate.admits(nis, channels);
     Correction<N, M> correction = admitted ? corrected(prior, innovation) : none;
+    const bool taken = admitted && !(judged && !correction.used());
+    refused_ = taken ? 0 : std::min(refused_ + 1, patience);
     correction.nis = nis;
-    if (method == Method::standard || method == Method::h_infinity || !admitted) {
+    if (method == Method::standard || method == Method::h_infinity || !taken) {
         correction.nis_used = nis;
         correction.channels_used = channels;
     } else {
@@ -95,7 +110,7 @@ Correction<N, M> Corrector<N, M>::correct(const Matrix<N>& prior, const Innovati
         correction.nis_used = truenorth::nis(used);
         correction.channels_used = used.channels();
     }
-    if (admitted && method == Method::variational_bayes) {
+    if (taken && (judged || method == Method::variational_bayes)) {
         explained = gate.explains(correction.nis_used, correction.channels_used);
     }
     contradictions_ = explained ? 0 : std::min(contradictions_ + 1, kMostContradictions);
@@ -113,6 +128,8 @@ Correction<N, M> Corrector<N, M>::corrected(const Matrix<N>& prior, const Innova
             return adaptive_factor.correct(prior, innovation);
         case Method::variational_bayes:
             return variational_bayes.correct(prior, innovation);
+        case Method::combined:
+            return combined.correct(prior, innovation, gate, gate_stands_open, adaptive_factor);
         case Method::standard:
             break;
     }

@@ -172,6 +172,8 @@ auto Engine<M>::states_of(const Uncertainty& more) const -> Matrix<kStates> {
     };
     blame(Where::gyro);
     blame(Where::accelerometer);
+    P.diagonal().segment(Where::accelerometer.first, Where::accelerometer.count).array() +=
+        more.accelerometer;
     if constexpr (requires { Where::markov; }) {
         blame(Where::markov);
     }

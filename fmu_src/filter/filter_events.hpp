@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "estimation/combined.hpp"
 #include "estimation/innovation_gate.hpp"
 #include "filter/gnss_input.hpp"
 #include "filter/imu_input.hpp"
@@ -153,8 +154,20 @@ inline const char* reason(Contradiction contradiction) {
     return "";
 }
 
+// What the corrector `combined` blames.
+inline const char* reason(Cause cause) {
+    switch (cause) {
+        case Cause::place:
+            return "its position is in doubt";
+        case Cause::motion:
+            return "a motion that the IMU has not measured, or measured wrongly, is in doubt";
+        default:
+            return "all of it is in doubt, as far as the fixes say";
+    }
+}
+
 // What else happens many times.
-enum class Notice : std::uint8_t { gap, repaired, infeasible, contradicted, silent, faulted };
+enum class Notice : std::uint8_t { gap, repaired, infeasible, contradicted, silent, blamed, faulted };
 
 inline constexpr std::size_t kNotices = static_cast<std::size_t>(Notice::faulted) + 1;
 

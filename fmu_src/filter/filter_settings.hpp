@@ -131,6 +131,9 @@ void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& widest, co
         case Chosen::variational_bayes:
             corrector.method = Method::variational_bayes;
             break;
+        case Chosen::combined:
+            corrector.method = Method::combined;
+            break;
     }
     corrector.gate.enabled = p.gate.enabled;
     corrector.gate.threshold = p.gate.threshold;
@@ -156,6 +159,9 @@ void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& widest, co
     bayes.iterations = variational_bayes.iterations;
     bayes.limit = variational_bayes.limit;
     bayes.start_a = variational_bayes.a;
+    corrector.combined.patience = p.combined.patience;
+    corrector.combined.memory = p.combined.memory;
+    corrector.combined.limit = p.combined.limit;
 }
 
 // Of the constant errors of the aids' sensors (aiding/observation.hpp).
@@ -169,11 +175,17 @@ Appended::Constants sensor_sigma_of(const Parameters& p) {
     return sigma;
 }
 
-// With which variance variational Bayes starts a channel: the positions or pseudoranges of a fix come first,
-// as many velocities or range rates after them, or there are velocities alone.
+// The positions or pseudoranges of a fix come first, as many velocities or range rates after them, or there
+// are velocities alone.
+template <class Where, int M>
+constexpr int positions_of() {
+    return Where::position.count > 0 ? M / 2 : 0;
+}
+
+// With which variance variational Bayes starts a channel.
 template <class Where, int M, class Parameters>
 Vector<M> starting_variance_of(const Parameters& p) {
-    constexpr int positions = Where::position.count > 0 ? M / 2 : 0;
+    constexpr int positions = positions_of<Where, M>();
     Vector<M> sigma = Vector<M>::Constant(p.variational_bayes.velocity_sigma);
     sigma.template head<positions>().setConstant(p.variational_bayes.position_sigma);
     return sigma.cwiseAbs2();
@@ -236,6 +248,7 @@ void configure(Engine& engine, const Parameters& p) {
     configure_corrector(engine.corrector, widest_of(engine, p), p);
     engine.corrector.variational_bayes.start_variance =
         starting_variance_of<typename Engine::Where, Engine::kMeasurements>(p);
+    engine.corrector.combined.positions = positions_of<typename Engine::Where, Engine::kMeasurements>();
 }
 
 }  // namespace truenorth

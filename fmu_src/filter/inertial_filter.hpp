@@ -139,6 +139,8 @@ class InertialFilter {
     void follow(const Change& change);
     template <class E, class Residual>
     void recover(E& engine, const Sighting& seen, const Residual& residual);
+    template <class E>
+    void blame(E& engine, Cause cause, const Discrepancy& off);
     void note_use(const GnssFix::Mask& measured);
     template <class E>
     void open_ledger(const E& engine);

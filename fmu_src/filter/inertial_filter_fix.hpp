@@ -23,6 +23,16 @@ void take_sigmas(Innovation<N, M>& innovation, const GnssFix::Mask& measured,
     }
 }
 
+// How far a fix is off, which perhaps only its channels tell.
+template <class E, class Residual>
+Discrepancy discrepancy_of(const E& /*engine*/, const Sighting& seen, const Residual& residual) {
+    if constexpr (requires { E::Where::discrepancy(residual); }) {
+        return E::Where::discrepancy(residual);
+    }
+    return {.position = earth::displacement(seen.fix.position, seen.then.position),
+            .velocity = seen.then.velocity - seen.fix.velocity};
+}
+
 template <class Interface, class... Engines>
 GnssFix InertialFilter<Interface, Engines...>::fix_at(const Port& port) {
     GnssFix fix{.time = port.time,
@@ -165,7 +175,7 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
                         .since = travelled_ - then.travelled,
                         .lever_arm = parameters.gnss.lever_arm};
     if constexpr (requires { engine.adapter.renewed(port, [](int) {}); }) {
-        engine.adapter.renewed(port, [&](int i) { engine.corrector.variational_bayes.restart(i); });
+        engine.adapter.renewed(port, [&](int i) { engine.corrector.restart(i); });
     }
     const auto model_fix = engine.adapter.fix_of(seen, port);
     scale(engine);
@@ -203,6 +213,14 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         engine.corrector.gate_stands_open = true;
         innovation = innovate();
         correction = engine.corrected(innovation);
+    } else if (const Cause cause = engine.corrector.cause();
+               innovation.channels() > 0 && cause >= Cause::start) {
+        blame(engine, cause, discrepancy_of(engine, seen, innovation.residual));
+        if (!correction.used()) {
+            engine.corrector.gate_stands_open = true;
+            innovation = innovate();
+            correction = engine.corrected(innovation);
+        }
     }
     publish_innovation<Where>(outputs, innovation, correction.nis);
     if (!correction.used()) {
@@ -334,6 +352,31 @@ void InertialFilter<Interface, Engines...>::turn(const Eigen::Matrix3d& rotation
     leveller_.turn_with_measured(rotation, travelled_);
 }
 
+// The corrector knows what the last fixes contradict, and the prediction becomes uncertain in that alone. A
+// motion that no sensor measured is an acceleration since the last fix that was used, which goes on: where it
+// is an error of the accelerometers, their biases follow it, and the attitude stays what it is.
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::blame(E& engine, Cause cause, const Discrepancy& off) {
+    const double elapsed = std::max(imu_.time() - last_fix_, imu_.increment().dt);
+    Uncertainty more;
+    if (cause == Cause::place) {
+        more.position = off.position.cwiseAbs2().asDiagonal();
+    } else if (cause == Cause::motion) {
+        more.velocity = off.velocity.cwiseAbs2().asDiagonal();
+        more.position = 0.25 * elapsed * elapsed * more.velocity;
+        more.accelerometer = off.velocity.squaredNorm() / (elapsed * elapsed);
+    }
+    engine.add_uncertainty(more);
+    recovery_.doubt(clock_);
+    if (log_->listens()) {
+        if (const auto omitted = told_notices_.tell(Notice::blamed, clock_)) {
+            log_->event(text("fixes until ", rounded(clock_), " s contradict the prediction: ", reason(cause),
+                             and_others(*omitted).c_str()));
+        }
+    }
+}
+
 // The gate has refused so many fixes in a row that something else than the fixes is to be blamed: what,
 // recovery.hpp says.
 template <class Interface, class... Engines>
@@ -352,12 +395,8 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
     engine.corrector.restart();
     forgetting_ = 0.0;
 
-    Discrepancy off{.position = earth::displacement(seen.fix.position, seen.then.position),
-                    .velocity = seen.then.velocity - seen.fix.velocity};
+    Discrepancy off = discrepancy_of(engine, seen, residual);
     const bool directed = !requires { E::Where::discrepancy(residual); };
-    if constexpr (requires { E::Where::discrepancy(residual); }) {
-        off = E::Where::discrepancy(residual);
-    }
     const bool again = rung >= Recovery::kRestart || (rung >= Recovery::kSensors && found);
     if (again) {
         double angle = found ? finder_.angle() : 0.0;

@@ -7,12 +7,13 @@
 namespace truenorth {
 
 // Variance that the errors gain: attitude [rad2], velocity [m2/s2], position [m2]; of the sensors' errors so
-// many times their prior one.
+// many times their prior one, of each accelerometer's so much besides [m2/s4].
 struct Uncertainty {
     Eigen::Matrix3d attitude = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d velocity = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d position = Eigen::Matrix3d::Zero();
     double sensors = 0.0;
+    double accelerometer = 0.0;
 };
 
 // Of a fix from what was predicted.

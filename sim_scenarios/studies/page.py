@@ -16,7 +16,7 @@ from sim_scenarios import markdown
 from sim_scenarios.folders import filled
 from sim_scenarios.html import interactive, numbers, render
 from sim_scenarios.names import file_names
-from sim_scenarios.studies import pictures, store, table
+from sim_scenarios.studies import pictures, regret, store, table
 from sim_scenarios.studies.expectations import Expectations, Row
 from sim_scenarios.studies.quantities import ERRORS
 from sim_scenarios.studies.statistics import CaseSummary, Course, Summary
@@ -43,7 +43,8 @@ def write(
     with filled(folder, anew=True) as draft:
         for case in cases:
             pictures.draw(case, draft / names[case.label])
-        tables = [rows for rows in (expected, *(rows for _, rows in _overviews(cases))) if rows]
+        overviews = [rows for _, rows in _overviews(data, cases)]
+        tables = [rows for rows in (expected, *overviews) if rows]
         (draft / "table.md").write_text("\n".join(map(markdown.table, tables)), encoding="utf-8")
         reasons = [reason for one in expect for reason in one.reasons()]
         (draft / "report.html").write_text(_html(data, cases, expected, reasons), encoding="utf-8")
@@ -64,7 +65,7 @@ def _html(
         cases=[(case, _tables(case)) for case in cases],
         expected=expected,
         reasons=reasons,
-        overviews=_overviews(cases),
+        overviews=_overviews(data, cases),
         about={label: {**case, "command": _command(case, data)} for label, case in about.items()},
         **interactive("campaign.js", _content(data, cases)),
     )
@@ -76,12 +77,13 @@ def _tables(case: CaseSummary) -> list[table.Rows]:
     return [rows for rows in tables if rows]
 
 
-def _overviews(cases: Sequence[CaseSummary]) -> list[tuple[str, table.Rows]]:
+def _overviews(data: xr.Dataset, cases: Sequence[CaseSummary]) -> list[tuple[str, table.Rows]]:
     """Tables of every filter in every case with their titles, those that there is something to say in."""
     tables = {
         "Every filter in every scenario": table.by_scenario(cases),
         "Wrongly sure": table.wrongly_sure(cases),
         "Time to recover from a fault": table.recoveries(cases),
+        **regret.tables(data),
     }
     return [(title, rows) for title, rows in tables.items() if rows]
 

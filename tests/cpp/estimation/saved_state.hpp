@@ -51,6 +51,10 @@ class SavedState {
     void take(Value& value) {
         if constexpr (requires { value.serialize(*this); }) {
             value.serialize(*this);
+        } else if constexpr (requires { value.reshaped(); }) {
+            for (double& component : value.reshaped()) {
+                take(component);
+            }
         } else {
             for (double& component : value) {
                 take(component);

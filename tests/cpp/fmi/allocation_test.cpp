@@ -130,7 +130,8 @@ INSTANTIATE_TEST_SUITE_P(
         Setting{"full_state_bayes", navigation, 2, 2, 5},
         Setting{"full_state_augmented", navigation, 2, 3, 1},
         Setting{"tight_linearised", navigation, 3, 1, 2}, Setting{"tight_bayes", navigation, 3, 2, 5},
-        Setting{"tight_augmented", navigation, 3, 3, 3}),
+        Setting{"tight_augmented", navigation, 3, 3, 3}, Setting{"unscented_combined", alignment, 1, 2, 6},
+        Setting{"loose_combined", navigation, 1, 2, 6}, Setting{"tight_combined", navigation, 3, 1, 6}),
     [](const auto& info) { return info.param.name; });
 
 // Control: what an FMU allocates is counted, through new and through malloc.

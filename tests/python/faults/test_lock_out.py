@@ -57,8 +57,11 @@ def test_a_heading_as_wrong_as_its_prior_is_found(model, error, drive, navigatio
 
 
 TUNINGS = [
-    *(("loose", name) for name in ("standard", "h_infinity", "igg", "adaptive_factor", "variational_bayes")),
-    *(("invariant", name) for name in ("standard", "h_infinity", "variational_bayes")),
+    *(
+        ("loose", name)
+        for name in ("standard", "h_infinity", "igg", "adaptive_factor", "variational_bayes", "combined")
+    ),
+    *(("invariant", name) for name in ("standard", "h_infinity", "variational_bayes", "combined")),
 ]
 
 

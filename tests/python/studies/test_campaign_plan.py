@@ -258,3 +258,16 @@ def test_names_need_no_quotes(tmp_path: Path, fmus: Fmus) -> None:
     assert plans[0] == plans[1]
     assert set(plans[0].draw) == {"motion.speed", "motion.course"}
     assert len(cases(plans[0], fmus)) == 2
+
+
+def test_regret_compares_every_corrector_on_one_model(fmus: Fmus) -> None:
+    """Filters of a case differ in corrector and gate alone."""
+    made = cases(load_plan("regret"), fmus)
+    for case in made:
+        items = fmus[case.scenario.filter_fmu].variables["corrector"].items
+        assert {values["corrector"] for values in case.filters().values()} == set(items.values())
+        others = [
+            {name: value for name, value in values.items() if name not in ("corrector", "gate.enabled")}
+            for values in case.filters().values()
+        ]
+        assert all(other == others[0] for other in others)

@@ -1,0 +1,330 @@
+// Corrector that tells, with a delay, why innovations are too large, and blames what is to be blamed alone.
+//
+// A measurement that its covariance does not explain is held back. When `patience` of the last
+// 2 patience - 1 were, they are no outliers, and what is left is told apart by how innovations follow one
+// another. With r_k the residual that the last measurement left behind (of one that was held back, its
+// innovation), the innovation v_k = z_k - H x_k grows in an interval by
+//
+//     d_k = v_k - r_(k-1) = e_k - e_(k-1) + what the prediction is off by in this interval,
+//
+// and of the noise e alone d_k - d_(k-1) has the variance R_k + 4 R_(k-1) + R_(k-2): an error of the
+// prediction that goes on as it began (a bias, a tilt, an acceleration that is not measured) cancels.
+//
+//   noise      innovations within what the noise explains that the second differences show: R is scaled
+//   place      the velocities are explained, the positions are not: the place is blamed
+//   motion     the mean of d_k is beyond what the covariance gains in an interval: something moves the
+//   vehicle
+//              that the sensors do not measure, or they measure what does not
+//   start      anything else, an error that has grown slowly: the prediction as a whole is blamed, as by the
+//              adaptive factor (adaptive_factor.hpp)
+//
+// Differences of two measurements of one quantity tell R whatever the filter believes ("redundant
+// measurement", Remote Sensing 12(21), 3500, 2020); here the second measurement is the prediction.
+//
+// The scale of R is estimated all the time, for positions and velocities apart, with a memory of so many
+// measurements; it acts from kActs on and never below 1. Nothing is believed beyond `limit` times the
+// nominal sigma.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "estimation/adaptive_factor.hpp"
+#include "estimation/gaussian.hpp"
+#include "estimation/innovation_gate.hpp"
+#include "estimation/standard.hpp"
+
+namespace truenorth {
+
+// Why the last innovation was too large; from `start` on the prediction is blamed.
+enum class Cause : std::uint8_t {
+    none,     // it was not
+    unknown,  // the measurement is held back
+    noise,    // of the measurements: it was used, with a noise that has grown
+    start,    // a prediction that was wrong from the start: it was used, and all of the prediction made
+              // uncertain
+    place,    // a wrong position or
+    motion,   // a wrong velocity: to be used when the prediction has been made uncertain in it
+};
+
+template <int M>
+class Combined {
+  public:
+    int patience = 3;       // at most 16
+    double memory = 40.0;   // measurements
+    double limit = 10.0;    // of the sigma of the noise
+    int positions = M / 2;  // channels that come first; the others are velocities
+
+    // `open`: the measurement is used whatever its innovation.
+    template <int N>
+    Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation,
+                             const InnovationGate& gate, bool open, const AdaptiveFactor<N>& blame);
+
+    [[nodiscard]] Cause cause() const { return cause_; }
+
+    // What is known of a channel belongs to another source (satellite) from now on.
+    void restart(int channel) { seen_(channel) = 0.0; }
+    void restart() {
+        seen_.setZero();
+        steps_.setZero();
+        ratios_.setOnes();
+        stepped_ = 0;
+        compared_ = 0;
+        weight_.setZero();
+        sum_.setZero();
+        history_ = 0;
+        explained_ = 0;
+    }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(residual_, left_, gained_, before_, noise_, steps_, ratios_, seen_, stepped_, compared_,
+                weight_, sum_, history_, explained_);
+        for (int* count : {&stepped_, &compared_, &explained_}) {
+            *count = std::clamp(*count, 0, kRecent);  // whatever a damaged state says
+        }
+    }
+
+  private:
+    using Array = Eigen::Array<double, M, 1>;
+    using PerGroup = Eigen::Array2d;  // positions, velocities
+
+    static constexpr int kRecent = 3;        // measurements from which a change is told
+    static constexpr double kActs = 1.6;     // scale of R below which nothing is scaled
+    static constexpr double kNominal = 5.0;  // measurements' worth of trust in the nominal R
+    static constexpr double kAbrupt = 12.0;  // mean square of a step, in terms of what explains it
+
+    static constexpr double kLasting = 4.0;  // by how much the newest difference may be smaller than the mean
+
+    // What an innovation says together with those before it.
+    struct Look {
+        Array step = Array::Zero();    // d_k
+        Array gained = Array::Zero();  // variance of the prediction, in the interval
+        PerGroup ratio = PerGroup::Ones();
+        bool stepped = false;   // the step is known
+        bool compared = false;  // and its difference from the one before
+    };
+
+    [[nodiscard]] int group(int channel) const { return channel < positions ? 0 : 1; }
+
+    template <int N>
+    [[nodiscard]] Look look(const Innovation<N, M>& innovation) const;
+
+    // Keeps what was seen, and what is left of the innovation: of its residual and of its variance.
+    template <int N>
+    void remember(const Look& look, const Innovation<N, M>& innovation, const Array& residual,
+                  const Array& left);
+
+    [[nodiscard]] PerGroup scale() const {
+        const PerGroup estimate = (sum_ + kNominal) / (weight_ + kNominal);
+        return (estimate > kActs).select(estimate, 1.0).min(limit * limit);
+    }
+
+    // The mean over the last measurements, this one included.
+    [[nodiscard]] PerGroup recent_scale(const Look& look) const {
+        const PerGroup sum = ratios_.template rightCols<kRecent - 1>().rowwise().sum().array() + look.ratio;
+        return (sum / kRecent).min(limit * limit);
+    }
+
+    template <int N>
+    [[nodiscard]] Innovation<N, M> scaled(Innovation<N, M> innovation, const PerGroup& scale) const {
+        for (int i = 0; i < M; ++i) {
+            if (innovation.present(i)) {
+                const double growth = std::sqrt(scale(group(i)));
+                innovation.noise.row(i) *= growth;
+                innovation.noise.col(i) *= growth;
+            }
+        }
+        return innovation;
+    }
+
+    template <int N>
+    [[nodiscard]] bool velocity_explained(Innovation<N, M> innovation, const InnovationGate& gate) const {
+        for (int i = 0; i < positions; ++i) {
+            innovation.remove(i);
+        }
+        return gate.explains(nis(innovation), innovation.channels());
+    }
+
+    template <int N>
+    [[nodiscard]] bool abrupt(const Look& look, const Innovation<N, M>& innovation) const;
+
+    // What explains an innovation that is no outlier; R is scaled if it is the noise.
+    template <int N>
+    Cause told_apart(const Look& look, const Innovation<N, M>& innovation, const InnovationGate& gate);
+
+    // One more, which was explained or not.
+    void note(bool explained) {
+        const std::uint32_t mask = (std::uint32_t{1} << static_cast<unsigned>(2 * patience - 1)) - 1U;
+        const std::uint32_t shifted = static_cast<std::uint32_t>(history_) << 1U;
+        history_ = static_cast<int>((shifted | (explained ? 0U : 1U)) & mask);
+    }
+
+    [[nodiscard]] int refused() const { return std::popcount(static_cast<std::uint32_t>(history_)); }
+    [[nodiscard]] bool is_outlier() const { return refused() < patience; }
+    [[nodiscard]] bool may_wait() const { return refused() < 2 * patience - 1; }
+
+    Array residual_ = Array::Zero();                          // r
+    Array left_ = Array::Zero();                              // variance that goes with it, of the prediction
+    Array gained_ = Array::Zero();                            // in the interval before
+    Array before_ = Array::Zero();                            // R, of the measurement before the last one
+    Array noise_ = Array::Zero();                             // and of that
+    Matrix<M, kRecent> steps_ = Matrix<M, kRecent>::Zero();   // d, the newest last
+    Matrix<2, kRecent> ratios_ = Matrix<2, kRecent>::Ones();  // of the squares of the second differences
+    Array seen_ = Array::Zero();                              // times in a row, up to 2
+    int stepped_ = 0;                                         // steps that are known, up to kRecent
+    int compared_ = 0;                                        // ratios that are known, up to kRecent
+    PerGroup weight_ = PerGroup::Zero();                      // of the ratios that were learned,
+    PerGroup sum_ = PerGroup::Zero();                         // and they, summed
+    int history_ = 0;                                         // a bit for each of the last: not explained
+    int explained_ = 0;                                       // in a row, up to kRecent
+    Cause cause_ = Cause::none;
+};
+
+template <int M>
+template <int N>
+Correction<N, M> Combined<M>::correct(const Matrix<N>& prior, const Innovation<N, M>& innovation,
+                                      const InnovationGate& gate, bool open, const AdaptiveFactor<N>& blame) {
+    const Look seen = look(innovation);
+    const auto explains = [&gate](const Innovation<N, M>& one) {
+        return gate.explains(nis(one), one.channels());
+    };
+    cause_ = Cause::none;
+    Innovation<N, M> used = scaled(innovation, scale());
+    if (open || explains(used)) {
+        explained_ = open ? 0 : std::min(explained_ + 1, kRecent);
+        note(true);
+        if (explained_ == kRecent && seen.compared) {
+            const double keep = 1.0 - 1.0 / memory;
+            weight_ = keep * weight_ + 1.0;
+            sum_ = keep * sum_ + seen.ratio;
+        }
+    } else {
+        explained_ = 0;
+        note(false);
+        cause_ = is_outlier() ? Cause::unknown : told_apart(seen, innovation, gate);
+        if (cause_ == Cause::unknown) {
+            remember(seen, innovation, innovation.residual, innovation.spread.diagonal());
+        }
+        if (cause_ == Cause::unknown || cause_ == Cause::place || cause_ == Cause::motion) {
+            return {Vector<N>::Zero(), prior, Vector<M>::Zero(), innovation.noise};
+        }
+        used = scaled(innovation, scale());
+    }
+    Correction<N, M> correction =
+        cause_ == Cause::start ? blame.correct(prior, used) : Standard().correct(prior, used);
+    used.spread /= correction.alpha;
+    const Eigen::LLT<Matrix<M>> S(used.spread + used.noise);
+    const Vector<M> residual = used.noise.lazyProduct(S.solve(used.residual));
+    Matrix<M> whitened = used.noise;
+    S.matrixL().solveInPlace(whitened);
+    remember(seen, innovation, residual,
+             used.noise.diagonal() - whitened.colwise().squaredNorm().transpose());
+    return correction;
+}
+
+template <int M>
+template <int N>
+auto Combined<M>::look(const Innovation<N, M>& innovation) const -> Look {
+    Look seen;
+    PerGroup sum = PerGroup::Zero();
+    PerGroup count = PerGroup::Zero();
+    for (int i = 0; i < M; ++i) {
+        if (!innovation.present(i) || seen_(i) < 1.0) {
+            continue;
+        }
+        seen.stepped = true;
+        seen.step(i) = innovation.residual(i) - residual_(i);
+        seen.gained(i) = std::max(innovation.spread(i, i) - left_(i), 0.0);
+        if (seen_(i) > 1.0) {
+            const double difference = seen.step(i) - steps_(i, kRecent - 1);
+            const double variance =
+                innovation.noise(i, i) + 4.0 * noise_(i) + before_(i) + 2.0 * (seen.gained(i) + gained_(i));
+            sum(group(i)) += difference * difference / variance;
+            count(group(i)) += 1.0;
+        }
+    }
+    seen.compared = (count > 0.0).any();
+    seen.ratio = (count > 0.0).select(sum / count.max(1.0), 1.0);
+    return seen;
+}
+
+template <int M>
+template <int N>
+void Combined<M>::remember(const Look& look, const Innovation<N, M>& innovation, const Array& residual,
+                           const Array& left) {
+    const auto push = [](auto& columns, const auto& newest) {
+        columns.leftCols(kRecent - 1) = columns.rightCols(kRecent - 1).eval();
+        columns.col(kRecent - 1) = newest;
+    };
+    if (look.stepped) {
+        push(steps_, look.step.matrix());
+        gained_ = look.gained;
+        stepped_ = std::min(stepped_ + 1, kRecent);
+    }
+    if (look.compared) {
+        push(ratios_, look.ratio.matrix());
+        compared_ = std::min(compared_ + 1, kRecent);
+    }
+    residual_ = residual;
+    left_ = left;
+    before_ = noise_;
+    noise_ = innovation.noise.diagonal();
+    for (int i = 0; i < M; ++i) {
+        seen_(i) = innovation.present(i) ? std::min(seen_(i) + 1.0, 2.0) : 0.0;
+    }
+}
+
+template <int M>
+template <int N>
+bool Combined<M>::abrupt(const Look& look, const Innovation<N, M>& innovation) const {
+    const int known = std::min(stepped_ + (look.stepped ? 1 : 0), kRecent);
+    const Array sum = steps_.rightCols(kRecent - 1).rowwise().sum().array() + look.step;
+    double square = 0.0;
+    int count = 0;
+    for (int i = positions; i < M; ++i) {
+        if (innovation.present(i) && known > 0) {
+            const double mean = sum(i) / known;
+            square += mean * mean / (2.0 * innovation.noise(i, i) / (known * known) + look.gained(i));
+            ++count;
+        }
+    }
+    return square > kAbrupt * count;
+}
+
+template <int M>
+template <int N>
+Cause Combined<M>::told_apart(const Look& look, const Innovation<N, M>& innovation,
+                              const InnovationGate& gate) {
+    const PerGroup now = scale();
+    const auto explains = [&](const PerGroup& scale) {
+        const Innovation<N, M> one = scaled(innovation, scale);
+        return gate.explains(nis(one), one.channels());
+    };
+    if (look.compared && compared_ + 1 >= kRecent) {
+        const PerGroup recent = recent_scale(look);
+        const PerGroup grown = recent.max(now);
+        if (explains(grown)) {
+            // A jump is large in the differences that contain it alone; noise in the newest too.
+            if (!explains(recent.min(kLasting * look.ratio).max(now)) && may_wait()) {
+                return Cause::unknown;
+            }
+            // As if it had been learned from as many measurements.
+            const auto more = grown > now;
+            weight_ = more.select(double{kRecent}, weight_);
+            sum_ = more.select(kRecent * grown + kNominal * (grown - 1.0), sum_);
+            return Cause::noise;
+        }
+    }
+    history_ = 0;
+    const Innovation<N, M> used = scaled(innovation, now);
+    if (positions > 0 && velocity_explained(used, gate)) {
+        return Cause::place;
+    }
+    return abrupt(look, used) ? Cause::motion : Cause::start;
+}
+
+}  // namespace truenorth
