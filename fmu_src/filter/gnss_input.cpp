@@ -68,8 +68,6 @@ bool GnssInput::repeats(const GnssFix& fix) const {
 }
 
 GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment& moment, double speed) {
-    const bool blank = !fix.has_channels && (components(fix) == 0.0).all();
-    sample = arrival_.number(sample, fix.time, blank);
     if (sample == seen_) {
         return Verdict::stale;
     }

@@ -30,8 +30,6 @@ std::int64_t advance(int from, int to) {
 ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d& delta_angle,
                                  const Eigen::Vector3d& delta_velocity, double clock) {
     clock_ = std::max(clock_, clock);
-    const bool still = delta_angle.isZero(0.0) && delta_velocity.isZero(0.0);
-    sample = arrival_.number(sample, time, still);
     if (sample == seen_) {
         return Verdict::stale;
     }
@@ -40,7 +38,7 @@ ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d&
     if (!std::isfinite(time) || !delta_angle.allFinite() || !delta_velocity.allFinite()) {
         return reject(Finding::not_finite);
     }
-    if (still) {
+    if (delta_angle.isZero(0.0) && delta_velocity.isZero(0.0)) {
         return reject(Finding::dead);
     }
     const double before = any_ || std::isnan(refused_stamp_) ? stamp() : refused_stamp_;

@@ -126,20 +126,16 @@ template <class Interface, class... Engines>
 template <class Aid>
 bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, AidMemory& memory) {
     const auto& port = Aid::port(inputs);
-    if (status_.faulted()) {
+    if (status_.faulted() || port.sample == memory.sample) {
         return false;
     }
-    const Eigen::Vector3d measured = Aid::measured(port);
-    const int sample = memory.arrival.number(port.sample, port.time, measured.isZero(0.0));
-    if (sample == memory.sample) {
-        return false;
-    }
-    memory.sample = sample;
+    memory.sample = port.sample;
     const auto refuse = [&](Refusal refusal) {
         return refuse_aid(memory, refusal, [&port] {
             return text(Aid::kName, " ", port.sample, " (", Aid::kName, ".time = ", port.time, " s)");
         });
     };
+    const Eigen::Vector3d measured = Aid::measured(port);
     Eigen::Vector3d sigma = Aid::sigma_of(port);
     const auto present = !measured.array().isNaN();
     if (!std::isfinite(port.time) || !present.any() || measured.array().isInf().any() ||

@@ -181,24 +181,22 @@ void InertialFilter<Interface, Engines...>::retune() {
 }
 
 template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::advance(double time, double step) {
-    clock_ = std::max(clock_, time + step);
+void InertialFilter<Interface, Engines...>::advance(double clock) {
+    clock_ = std::max(clock_, clock);
     if (!under_way_ || status_.faulted()) {
-        const bool fix = watch(time);
-        tell_what_is_missing();
+        const bool fix = watch();
         if (under_way_ && fix) {
             start_over();
         }
         publish();
         return;
     }
-    const bool sampled = take_sample(time);
+    const bool sampled = take_sample();
     bool anything_new = sampled;
     if (!status_.faulted()) {
         anything_new = take_fix() || anything_new;
         anything_new = take_aids(sampled) || anything_new;
     }
-    tell_what_is_missing();
     const double pending = std::visit([](const auto& engine) { return engine.pending(); }, engine_);
     if (!status_.faulted() && pending > parameters.filter.interval - kTimeTolerance) {
         predict();
@@ -214,24 +212,13 @@ void InertialFilter<Interface, Engines...>::advance(double time, double step) {
     publish();
 }
 
-// What the IMU put out by a step that begins at `time` [s].
-template <class Interface, class... Engines>
-auto InertialFilter<Interface, Engines...>::imu_port(double time) const {
-    auto port = inputs.imu;
-    if (parameters.imu.each_step) {
-        port.sample = 0;
-        port.time = time;
-    }
-    return port;
-}
-
 // Whether a sound fix came, from which, and from what the outputs still tell, a filter could set out.
 template <class Interface, class... Engines>
-bool InertialFilter<Interface, Engines...>::watch(double time) {
-    const auto imu = imu_port(time);
+bool InertialFilter<Interface, Engines...>::watch() {
+    const auto& imu = inputs.imu;
     const auto sample = imu_.read(imu.sample, imu.time, imu.delta_angle, imu.delta_velocity, clock_);
     if (sample == ImuInput::Verdict::rejected) {
-        tell_of(sample, imu);
+        tell_of(sample);
     }
     const auto verdict = gnss_.read(inputs.gnss.sample, fix_at(inputs.gnss), moment(imu_.increment().dt));
     if (verdict == GnssInput::Verdict::accepted) {
@@ -280,15 +267,15 @@ StampClock::Moment InertialFilter<Interface, Engines...>::moment(double slack) c
 
 // Whether there was one.
 template <class Interface, class... Engines>
-bool InertialFilter<Interface, Engines...>::take_sample(double time) {
-    const auto port = imu_port(time);
+bool InertialFilter<Interface, Engines...>::take_sample() {
+    const auto& port = inputs.imu;
     const bool had_fixes = imu_.time() - last_fix_ <= wait_for_fix();
 
     const auto verdict = imu_.read(port.sample, port.time, port.delta_angle, port.delta_velocity, clock_);
     if (verdict == ImuInput::Verdict::stale) {
         return false;
     }
-    tell_of(verdict, port);
+    tell_of(verdict);
     if (verdict == ImuInput::Verdict::rejected) {
         return true;
     }
@@ -341,64 +328,30 @@ bool InertialFilter<Interface, Engines...>::take_sample(double time) {
 }
 
 template <class Interface, class... Engines>
-template <class Sample>
-void InertialFilter<Interface, Engines...>::tell_of(ImuInput::Verdict verdict, const Sample& sample) {
+void InertialFilter<Interface, Engines...>::tell_of(ImuInput::Verdict verdict) {
     if (!log_->listens()) {
         return;
     }
+    const auto& port = inputs.imu;
     if (verdict == ImuInput::Verdict::resumed && imu_.blind_for() > 0.0) {
-        log_->event(text("IMU data resume at imu.time = ", sample.time,
+        log_->event(text("IMU data resume at imu.time = ", port.time,
                          " s after a gap that cannot be bridged; the estimate starts again"));
     }
     const auto finding = imu_.finding();
     if (finding != ImuInput::Finding::none) {
         if (const auto omitted = told_samples_.tell(finding, clock_)) {
             const bool rejected = verdict == ImuInput::Verdict::rejected;
-            log_->event(text("IMU sample ", sample.sample, " (imu.time = ", sample.time, " s) ",
+            log_->event(text("IMU sample ", port.sample, " (imu.time = ", port.time, " s) ",
                              rejected ? "rejected: " : "is suspect: ", reason(finding),
                              and_others(*omitted).c_str()));
         }
     }
     if (verdict != ImuInput::Verdict::rejected && imu_.gap() > 0) {
         if (const auto omitted = told_notices_.tell(Notice::gap, clock_)) {
-            log_->event(text(imu_.gap(), " IMU sample(s) missed before imu.time = ", sample.time,
-                             " s; bridged", and_others(*omitted).c_str()));
+            log_->event(text(imu_.gap(), " IMU sample(s) missed before imu.time = ", port.time, " s; bridged",
+                             and_others(*omitted).c_str()));
         }
     }
-}
-
-// What is not connected and should be, as far as that shows; once of each port.
-template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::tell_what_is_missing() {
-    constexpr double kPatience = 1.0;  // [s]
-    if (!log_->listens()) {
-        return;
-    }
-    const auto tell = [this](Arrival& arrival, const char* port, double waited, const char* remedy) {
-        const bool shows = arrival.fed() && !arrival.counted() && (arrival.stamped() || waited > kPatience);
-        if (!shows || !arrival.tell()) {
-            return;
-        }
-        log_->event(arrival.stamped()
-                        ? text(port, ".sample stands still at 0: every new ", port,
-                               ".time is taken for a new measurement")
-                        : text(port, ".sample and ", port,
-                               ".time stand still at 0: nothing is taken until one of them moves", remedy));
-    };
-    const double waited = imu_.silent_for();
-    if (!imu_.arrival().fed() && waited > kPatience && imu_.arrival().tell()) {
-        log_->event(text("no IMU data for ", kPatience,
-                         " s: imu.delta_angle and imu.delta_velocity are zero, or not connected"));
-    }
-    if (!parameters.imu.each_step) {
-        tell(imu_.arrival(), "imu", waited, ", or with imu.each_step");
-    }
-    tell(gnss_.arrival(), "gnss", clock_ - gnss_used_, "");
-    aids_.each([&]<class Aid>(std::type_identity<Aid>, AidMemory& memory) {
-        if constexpr (Aid::kHasPort) {
-            tell(memory.arrival, Aid::kName, clock_ - memory.last, "");
-        }
-    });
 }
 
 template <class Interface, class... Engines>
