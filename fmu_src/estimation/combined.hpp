@@ -230,8 +230,10 @@ template <int M>
 template <int N>
 auto Combined<M>::look(const Innovation<N, M>& innovation) const -> Look {
     Look seen;
-    PerGroup sum = PerGroup::Zero();
-    PerGroup count = PerGroup::Zero();
+    PerGroup sum;
+    PerGroup count;
+    sum.setZero();
+    count.setZero();
     for (int i = 0; i < M; ++i) {
         if (!innovation.present(i) || seen_(i) < 1.0) {
             continue;

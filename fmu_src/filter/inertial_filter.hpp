@@ -130,6 +130,9 @@ class InertialFilter {
     template <class E>
     void correct(E& engine, const Port& port, const GnssFix& fix, const GnssFix::Mask& measured,
                  const AntennaState& then);
+    template <class E>
+    void take(E& engine, const typename E::Correction& correction, const GnssFix& fix,
+              const GnssFix::Mask& measured, const AntennaState& then);
     template <class E, class Fix>
     void correct_coarsely(E& engine, const Fix& fix, const Port& port);  // of position and velocity
     void turn(const Eigen::Matrix3d& rotation);

@@ -227,6 +227,16 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         reject_fix(refusal_of(engine.corrector.gate, correction.nis, innovation.channels()), port);
         return;
     }
+    take(engine, correction, fix, measured, then);
+}
+
+// A correction by a fix.
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::take(E& engine, const typename E::Correction& correction,
+                                                 const GnssFix& fix, const GnssFix::Mask& measured,
+                                                 const AntennaState& then) {
+    using Where = typename E::Where;
     recovery_.pass(clock_);
     const Change change = engine.apply(correction);
     if (!change.finite) {
