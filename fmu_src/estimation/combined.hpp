@@ -104,8 +104,9 @@ class Combined {
         Array step = Array::Zero();    // d_k
         Array gained = Array::Zero();  // variance of the prediction, in the interval
         PerGroup ratio = PerGroup::Ones();
-        bool stepped = false;   // the step is known
-        bool compared = false;  // and its difference from the one before
+        PerGroup channels = PerGroup::Zero();  // of which the ratio is
+        bool stepped = false;                  // the step is known
+        bool compared = false;                 // and its difference from the one before
     };
 
     [[nodiscard]] int group(int channel) const { return channel < positions ? 0 : 1; }
@@ -230,10 +231,7 @@ template <int M>
 template <int N>
 auto Combined<M>::look(const Innovation<N, M>& innovation) const -> Look {
     Look seen;
-    PerGroup sum;
-    PerGroup count;
-    sum.setZero();
-    count.setZero();
+    seen.ratio.setZero();
     for (int i = 0; i < M; ++i) {
         if (!innovation.present(i) || seen_(i) < 1.0) {
             continue;
@@ -245,12 +243,12 @@ auto Combined<M>::look(const Innovation<N, M>& innovation) const -> Look {
             const double difference = seen.step(i) - steps_(i, kRecent - 1);
             const double variance =
                 innovation.noise(i, i) + 4.0 * noise_(i) + before_(i) + 2.0 * (seen.gained(i) + gained_(i));
-            sum(group(i)) += difference * difference / variance;
-            count(group(i)) += 1.0;
+            seen.ratio(group(i)) += difference * difference / variance;
+            seen.channels(group(i)) += 1.0;
         }
     }
-    seen.compared = (count > 0.0).any();
-    seen.ratio = (count > 0.0).select(sum / count.max(1.0), 1.0);
+    seen.compared = (seen.channels > 0.0).any();
+    seen.ratio = (seen.channels > 0.0).select(seen.ratio / seen.channels.max(1.0), 1.0);
     return seen;
 }
 
