@@ -68,7 +68,7 @@ PACKAGE = ROOT / "sim_scenarios"
 STUDIES = "sim_scenarios.studies"
 ORDER = [
     *("quantities", "measured", "expectations", "draws", "plan", "store", "runs", "execution", "ensemble"),
-    *("campaign", "statistics", "table", "pictures", "page"),
+    *("campaign", "statistics", "table", "regret", "pictures", "page"),
 ]
 """Modules of studies: each imports only those before it."""
 ABOVE = {"__init__.py", "cli", "papers", "studies"}
