@@ -30,15 +30,23 @@ def main() -> None:
     """
     received: signal.Signals | None = None
 
-    def interrupt(number: int, _: FrameType | None) -> None:
+    def interrupt(number: int, frame: FrameType | None) -> None:
         nonlocal received
         received = signal.Signals(number)
+        while frame is not None:
+            if frame.f_code is ask_again.__code__:  # Python drops what is raised there, too
+                ask_later()
+                return
+            frame = frame.f_back
         raise KeyboardInterrupt
+
+    def ask_later() -> None:
+        threading.Timer(0.01, os.kill, [os.getpid(), received or signal.SIGINT]).start()
 
     def ask_again(ignored: UnraisableHookArgs) -> None:
         # Python drops what is raised where nobody can catch it, as in the callback of a weak reference.
         if ignored.exc_type is KeyboardInterrupt:
-            threading.Timer(0.01, os.kill, [os.getpid(), received or signal.SIGINT]).start()
+            ask_later()
         else:
             sys.__unraisablehook__(ignored)
 

@@ -32,6 +32,16 @@ Dropped()
 time.sleep(20)
 return 0
 """,
+    "while Python says what it has dropped": """
+import sys
+class Failing:
+    def __del__(self):
+        raise ValueError
+sys.__unraisablehook__ = lambda _: signal.raise_signal(signal.{name})
+Failing()
+time.sleep(20)
+return 0
+""",
     # Python would end by the signal, whoever catches it.
     "in a text that is executed": """
 exec("signal.raise_signal(signal.{name})")
