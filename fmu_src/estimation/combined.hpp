@@ -1,22 +1,23 @@
 // Corrector that tells, with a delay, why innovations are too large, and blames what is to be blamed alone.
 //
-// A measurement that its covariance does not explain is held back. When `patience` of the last
-// 2 patience - 1 were, they are no outliers, and what is left is told apart by how innovations follow one
-// another. With r_k the residual that the last measurement left behind (of one that was held back, its
-// innovation), the innovation v_k = z_k - H x_k grows in an interval by
+// A measurement that its covariance does not explain is held back. `patience` of them in a row are no
+// outliers, and what is left is told apart by how innovations follow one another. With r_k the residual that
+// the last measurement left behind (of one that was held back, its innovation), the innovation
+// v_k = z_k - H x_k grows in an interval by
 //
 //     d_k = v_k - r_(k-1) = e_k - e_(k-1) + what the prediction is off by in this interval,
 //
 // and of the noise e alone d_k - d_(k-1) has the variance R_k + 4 R_(k-1) + R_(k-2): an error of the
 // prediction that goes on as it began (a bias, a tilt, an acceleration that is not measured) cancels.
 //
-//   noise      innovations within what the noise explains that the second differences show: R is scaled
-//   place      the velocities are explained, the positions are not: the place is blamed
-//   motion     the mean of d_k is beyond what the covariance gains in an interval: something moves the
-//   vehicle
-//              that the sensors do not measure, or they measure what does not
-//   start      anything else, an error that has grown slowly: the prediction as a whole is blamed, as by the
-//              adaptive factor (adaptive_factor.hpp)
+//   noise   The noise that the second differences show explains the innovation: R is scaled.
+//   place   The velocities are explained, the positions are not: the place is blamed.
+//   motion  The mean of the last d_k is beyond what noise and covariance explain in an interval, and beyond
+//           the scatter of the d_k: something moves the vehicle that the sensors do not measure, or they
+//           measure what does not.
+//   start   The d_k are as they should be, so that the error has grown slowly: the prediction as a whole is
+//           blamed, as by the adaptive factor (adaptive_factor.hpp).
+//   noise   Anything else: larger than the last differences showed.
 //
 // Differences of two measurements of one quantity tell R whatever the filter believes ("redundant
 // measurement", Remote Sensing 12(21), 3500, 2020); here the second measurement is the prediction.
@@ -28,7 +29,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -53,7 +53,7 @@ enum class Cause : std::uint8_t {
 template <int M>
 class Combined {
   public:
-    int patience = 3;       // at most 16
+    int patience = 3;
     double memory = 40.0;   // measurements
     double limit = 10.0;    // of the sigma of the noise
     int positions = M / 2;  // channels that come first; the others are velocities
@@ -75,17 +75,18 @@ class Combined {
         compared_ = 0;
         weight_.setZero();
         sum_.setZero();
-        history_ = 0;
+        refused_ = 0;
         explained_ = 0;
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
         archive(residual_, left_, gained_, before_, noise_, steps_, ratios_, seen_, stepped_, compared_,
-                weight_, sum_, history_, explained_);
+                weight_, sum_, refused_, explained_);
         for (int* count : {&stepped_, &compared_, &explained_}) {
             *count = std::clamp(*count, 0, kRecent);  // whatever a damaged state says
         }
+        refused_ = std::clamp(refused_, 0, patience + 2);
     }
 
   private:
@@ -95,9 +96,13 @@ class Combined {
     static constexpr int kRecent = 3;        // measurements from which a change is told
     static constexpr double kActs = 1.6;     // scale of R below which nothing is scaled
     static constexpr double kNominal = 5.0;  // measurements' worth of trust in the nominal R
-    static constexpr double kAbrupt = 12.0;  // mean square of a step, in terms of what explains it
-
     static constexpr double kLasting = 4.0;  // by how much the newest difference may be smaller than the mean
+
+    // Mean squares of steps, in terms of what explains them.
+    static constexpr double kSlow = 3.0;     // they are as they should be
+    static constexpr double kAbrupt = 12.0;  // a trend that neither noise nor a wrong attitude makes,
+    static constexpr double kPlain = 8.0;    // in terms of the scatter of the steps: plainly,
+    static constexpr double kTrend = 4.0;    // and when there has been time enough
 
     // What an innovation says together with those before it.
     struct Look {
@@ -150,23 +155,36 @@ class Combined {
         return gate.explains(nis(innovation), innovation.channels());
     }
 
+    // Mean square of the mean of the last steps of velocities, in terms of what explains it.
     template <int N>
-    [[nodiscard]] bool abrupt(const Look& look, const Innovation<N, M>& innovation) const;
+    [[nodiscard]] double trend(const Look& look, const Innovation<N, M>& innovation) const;
+
+    // The mean square of the last steps is what it should be.
+    template <int N>
+    [[nodiscard]] bool slow(const Look& look, const Innovation<N, M>& innovation) const;
+
+    // Mean square of an innovation in terms of its noise.
+    template <int N>
+    [[nodiscard]] PerGroup square_of(const Innovation<N, M>& innovation) const {
+        PerGroup square = PerGroup::Zero();
+        PerGroup channels = PerGroup::Zero();
+        for (int i = 0; i < M; ++i) {
+            if (innovation.present(i)) {
+                square(group(i)) += innovation.residual(i) * innovation.residual(i) / innovation.noise(i, i);
+                channels(group(i)) += 1.0;
+            }
+        }
+        return square / channels.max(1.0);
+    }
+
+    void take(const PerGroup& grown);
 
     // What explains an innovation that is no outlier; R is scaled if it is the noise.
     template <int N>
     Cause told_apart(const Look& look, const Innovation<N, M>& innovation, const InnovationGate& gate);
 
-    // One more, which was explained or not.
-    void note(bool explained) {
-        const std::uint32_t mask = (std::uint32_t{1} << static_cast<unsigned>(2 * patience - 1)) - 1U;
-        const std::uint32_t shifted = static_cast<std::uint32_t>(history_) << 1U;
-        history_ = static_cast<int>((shifted | (explained ? 0U : 1U)) & mask);
-    }
-
-    [[nodiscard]] int refused() const { return std::popcount(static_cast<std::uint32_t>(history_)); }
-    [[nodiscard]] bool is_outlier() const { return refused() < patience; }
-    [[nodiscard]] bool may_wait() const { return refused() < 2 * patience - 1; }
+    // Two of them more than it takes, if it is not clear by then.
+    [[nodiscard]] bool may_wait() const { return refused_ < patience + 2; }
 
     Array residual_ = Array::Zero();                          // r
     Array left_ = Array::Zero();                              // variance that goes with it, of the prediction
@@ -180,7 +198,7 @@ class Combined {
     int compared_ = 0;                                        // ratios that are known, up to kRecent
     PerGroup weight_ = PerGroup::Zero();                      // of the ratios that were learned,
     PerGroup sum_ = PerGroup::Zero();                         // and they, summed
-    int history_ = 0;                                         // a bit for each of the last: not explained
+    int refused_ = 0;                                         // in a row
     int explained_ = 0;                                       // in a row, up to kRecent
     Cause cause_ = Cause::none;
 };
@@ -197,7 +215,7 @@ Correction<N, M> Combined<M>::correct(const Matrix<N>& prior, const Innovation<N
     Innovation<N, M> used = scaled(innovation, scale());
     if (open || explains(used)) {
         explained_ = open ? 0 : std::min(explained_ + 1, kRecent);
-        note(true);
+        refused_ = 0;
         if (explained_ == kRecent && seen.compared) {
             const double keep = 1.0 - 1.0 / memory;
             weight_ = keep * weight_ + 1.0;
@@ -205,8 +223,8 @@ Correction<N, M> Combined<M>::correct(const Matrix<N>& prior, const Innovation<N
         }
     } else {
         explained_ = 0;
-        note(false);
-        cause_ = is_outlier() ? Cause::unknown : told_apart(seen, innovation, gate);
+        refused_ = std::min(refused_ + 1, patience + 2);
+        cause_ = refused_ < patience ? Cause::unknown : told_apart(seen, innovation, gate);
         if (cause_ == Cause::unknown) {
             remember(seen, innovation, innovation.residual, innovation.spread.diagonal());
         }
@@ -280,9 +298,9 @@ void Combined<M>::remember(const Look& look, const Innovation<N, M>& innovation,
 
 template <int M>
 template <int N>
-bool Combined<M>::abrupt(const Look& look, const Innovation<N, M>& innovation) const {
+double Combined<M>::trend(const Look& look, const Innovation<N, M>& innovation) const {
     const int known = std::min(stepped_ + (look.stepped ? 1 : 0), kRecent);
-    const Array sum = steps_.rightCols(kRecent - 1).rowwise().sum().array() + look.step;
+    const Array sum = steps_.template rightCols<kRecent - 1>().rowwise().sum().array() + look.step;
     double square = 0.0;
     int count = 0;
     for (int i = positions; i < M; ++i) {
@@ -292,39 +310,79 @@ bool Combined<M>::abrupt(const Look& look, const Innovation<N, M>& innovation) c
             ++count;
         }
     }
-    return square > kAbrupt * count;
+    return count > 0 ? square / count : 0.0;
+}
+
+template <int M>
+template <int N>
+bool Combined<M>::slow(const Look& look, const Innovation<N, M>& innovation) const {
+    double square = 0.0;
+    int count = 0;
+    const auto add = [&](const auto& step) {
+        for (int i = 0; i < M; ++i) {
+            if (innovation.present(i)) {
+                square += step(i) * step(i) / (2.0 * innovation.noise(i, i) + look.gained(i));
+                ++count;
+            }
+        }
+    };
+    add(look.step);
+    add(steps_.col(kRecent - 1));
+    add(steps_.col(kRecent - 2));
+    return square <= kSlow * count;
 }
 
 template <int M>
 template <int N>
 Cause Combined<M>::told_apart(const Look& look, const Innovation<N, M>& innovation,
                               const InnovationGate& gate) {
-    const PerGroup now = scale();
     const auto explains = [&](const PerGroup& scale) {
         const Innovation<N, M> one = scaled(innovation, scale);
         return gate.explains(nis(one), one.channels());
     };
-    if (look.compared && compared_ + 1 >= kRecent) {
-        const PerGroup recent = recent_scale(look);
-        const PerGroup grown = recent.max(now);
-        if (explains(grown)) {
-            // A jump is large in the differences that contain it alone; noise in the newest too.
-            if (!explains(recent.min(kLasting * look.ratio).max(now)) && may_wait()) {
-                return Cause::unknown;
-            }
-            // As if it had been learned from as many measurements.
-            const auto more = grown > now;
-            weight_ = more.select(double{kRecent}, weight_);
-            sum_ = more.select(kRecent * grown + kNominal * (grown - 1.0), sum_);
-            return Cause::noise;
+    const PerGroup now = scale();
+    const bool known = look.compared && compared_ + 1 >= kRecent;
+    const PerGroup recent = known ? recent_scale(look) : now;
+    const PerGroup grown = recent.max(now);
+    if (known && explains(grown)) {
+        // A jump is large in the differences that contain it alone; noise in the newest too.
+        if (!explains(recent.min(kLasting * look.ratio).max(now)) && may_wait()) {
+            return Cause::unknown;
         }
+        take(grown);
+        return Cause::noise;
     }
-    history_ = 0;
     const Innovation<N, M> used = scaled(innovation, now);
     if (positions > 0 && velocity_explained(used, gate)) {
+        refused_ = 0;
         return Cause::place;
     }
-    return abrupt(look, used) ? Cause::motion : Cause::start;
+    const bool abrupt = trend(look, used) > kAbrupt;
+    if (abrupt) {
+        const double scattered = trend(look, scaled(innovation, grown));
+        if (scattered <= kPlain && may_wait()) {
+            return Cause::unknown;
+        }
+        if (scattered > kTrend) {
+            refused_ = 0;
+            return Cause::motion;
+        }
+    }
+    if (!abrupt && slow(look, used)) {
+        refused_ = 0;
+        return Cause::start;
+    }
+    take(grown.max(square_of(innovation)).min(limit * limit));
+    return Cause::noise;
+}
+
+// As if it had been learned from as many measurements.
+template <int M>
+void Combined<M>::take(const PerGroup& grown) {
+    const Eigen::Array<bool, 2, 1> more = grown > scale();
+    weight_ = more.select(double{kRecent}, weight_);
+    sum_ = more.select(kRecent * grown + kNominal * (grown - 1.0), sum_);
+    refused_ = 0;
 }
 
 }  // namespace truenorth

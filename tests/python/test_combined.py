@@ -45,6 +45,8 @@ def regrets(scenario: str, fmus: Fmus, **settings: object) -> dict[str, float]:
     [
         ("flight_nominal", {}),
         ("flight_nominal", NOISE_X_6),
+        ("flight_outliers", {}),
+        ("flight_outliers", NOISE_X_6),
         ("flight_accelerometer_fault", {}),
     ],
 )

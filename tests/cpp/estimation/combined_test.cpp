@@ -132,6 +132,18 @@ TEST_P(CombinedCorrector, ForgetsAnOutlier) {
     EXPECT_EQ(trial.error, other.error) << "how large an outlier was leaves a trace";
 }
 
+TEST_P(CombinedCorrector, ForgetsOutliersThatAreNotAsManyInARow) {
+    Trial trial = settled(GetParam());
+    const double tilt = trial.covariance(kTilt, kTilt);
+    for (int i = 0; i < 30; ++i) {  // three of each five
+        const bool outlier = i % 5 == 0 || i % 5 == 1 || i % 5 == 3;
+        const auto correction = trial.step({.velocity = outlier ? 4.0 + i : 0.0});
+        EXPECT_EQ(correction.used(), !outlier) << i;
+        EXPECT_EQ(correction.alpha, 1.0);
+    }
+    EXPECT_LT(trial.covariance(kTilt, kTilt), 1.1 * tilt);
+}
+
 TEST_P(CombinedCorrector, FollowsNoiseThatGrowsAndLeavesTheTiltAlone) {
     Trial trial = settled(GetParam());
     int unused = 0;
