@@ -11,13 +11,14 @@
 // prediction that goes on as it began (a bias, a tilt, an acceleration that is not measured) cancels.
 //
 //   noise   The noise that the second differences show explains the innovation: R is scaled.
-//   place   The velocities are explained, the positions are not: the place is blamed.
+//   lie     Positions are off and velocities are not, or velocities by what would have led to another place:
+//           no prediction goes wrong like that, and the measurement is held back further.
 //   motion  The mean of the last d_k is beyond what noise and covariance explain in an interval, and beyond
 //           the scatter of the d_k: something moves the vehicle that the sensors do not measure, or they
 //           measure what does not.
-//   start   The d_k are as they should be, so that the error has grown slowly: the prediction as a whole is
-//           blamed, as by the adaptive factor (adaptive_factor.hpp).
-//   noise   Anything else: larger than the last differences showed.
+//   start   The d_k are as they should be: the error is older, or has grown slowly, and the prediction was
+//           wrong from the start.
+//   noise   Anything else that the limit allows: larger than the last differences showed.
 //
 // Differences of two measurements of one quantity tell R whatever the filter believes ("redundant
 // measurement", Remote Sensing 12(21), 3500, 2020); here the second measurement is the prediction.
@@ -32,7 +33,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "estimation/adaptive_factor.hpp"
 #include "estimation/gaussian.hpp"
 #include "estimation/innovation_gate.hpp"
 #include "estimation/standard.hpp"
@@ -44,24 +44,24 @@ enum class Cause : std::uint8_t {
     none,     // it was not
     unknown,  // the measurement is held back
     noise,    // of the measurements: it was used, with a noise that has grown
-    start,    // a prediction that was wrong from the start: it was used, and all of the prediction made
-              // uncertain
-    place,    // a wrong position or
-    motion,   // a wrong velocity: to be used when the prediction has been made uncertain in it
+    start,    // a prediction that was wrong from the start, or
+    motion,   // a motion that was not measured: to be used when the prediction has been made uncertain in it
 };
 
 template <int M>
 class Combined {
   public:
     int patience = 3;
-    double memory = 40.0;   // measurements
-    double limit = 10.0;    // of the sigma of the noise
-    int positions = M / 2;  // channels that come first; the others are velocities
+    double memory = 40.0;  // measurements
+    double limit = 10.0;   // of the sigma of the noise
+    int positions =
+        M / 2;  // channels that come first; the others are velocities, theirs if there are as many
+    double interval = 0.0;  // since the last measurement that was used, for the next one [s]
 
     // `open`: the measurement is used whatever its innovation.
     template <int N>
     Correction<N, M> correct(const Matrix<N>& prior, const Innovation<N, M>& innovation,
-                             const InnovationGate& gate, bool open, const AdaptiveFactor<N>& blame);
+                             const InnovationGate& gate, bool open);
 
     [[nodiscard]] Cause cause() const { return cause_; }
 
@@ -97,6 +97,8 @@ class Combined {
     static constexpr double kActs = 1.6;     // scale of R below which nothing is scaled
     static constexpr double kNominal = 5.0;  // measurements' worth of trust in the nominal R
     static constexpr double kLasting = 4.0;  // by how much the newest difference may be smaller than the mean
+
+    static constexpr double kFar = 4.0;  // sigmas of a position that nothing explains
 
     // Mean squares of steps, in terms of what explains them.
     static constexpr double kSlow = 3.0;     // they are as they should be
@@ -155,6 +157,10 @@ class Combined {
         return gate.explains(nis(innovation), innovation.channels());
     }
 
+    // Whether positions are off as far as velocities lead that have been off for half of the interval.
+    template <int N>
+    [[nodiscard]] bool place_follows(const Innovation<N, M>& innovation) const;
+
     // Mean square of the mean of the last steps of velocities, in terms of what explains it.
     template <int N>
     [[nodiscard]] double trend(const Look& look, const Innovation<N, M>& innovation) const;
@@ -206,7 +212,7 @@ class Combined {
 template <int M>
 template <int N>
 Correction<N, M> Combined<M>::correct(const Matrix<N>& prior, const Innovation<N, M>& innovation,
-                                      const InnovationGate& gate, bool open, const AdaptiveFactor<N>& blame) {
+                                      const InnovationGate& gate, bool open) {
     const Look seen = look(innovation);
     const auto explains = [&gate](const Innovation<N, M>& one) {
         return gate.explains(nis(one), one.channels());
@@ -228,14 +234,12 @@ Correction<N, M> Combined<M>::correct(const Matrix<N>& prior, const Innovation<N
         if (cause_ == Cause::unknown) {
             remember(seen, innovation, innovation.residual, innovation.spread.diagonal());
         }
-        if (cause_ == Cause::unknown || cause_ == Cause::place || cause_ == Cause::motion) {
+        if (cause_ != Cause::noise) {
             return {Vector<N>::Zero(), prior, Vector<M>::Zero(), innovation.noise};
         }
         used = scaled(innovation, scale());
     }
-    Correction<N, M> correction =
-        cause_ == Cause::start ? blame.correct(prior, used) : Standard().correct(prior, used);
-    used.spread /= correction.alpha;
+    const Correction<N, M> correction = Standard().correct(prior, used);
     const Eigen::LLT<Matrix<M>> S(used.spread + used.noise);
     const Vector<M> residual = used.noise.lazyProduct(S.solve(used.residual));
     Matrix<M> whitened = used.noise;
@@ -298,6 +302,22 @@ void Combined<M>::remember(const Look& look, const Innovation<N, M>& innovation,
 
 template <int M>
 template <int N>
+bool Combined<M>::place_follows(const Innovation<N, M>& innovation) const {
+    for (int i = 0; i < std::min(positions, M - positions); ++i) {
+        const int rate = positions + i;
+        if (innovation.present(i) && innovation.present(rate)) {
+            const double sigma = std::sqrt(innovation.spread(i, i) + innovation.noise(i, i));
+            const double led = 0.5 * interval * std::abs(innovation.residual(rate));
+            if (led > std::abs(innovation.residual(i)) + kFar * sigma) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+template <int M>
+template <int N>
 double Combined<M>::trend(const Look& look, const Innovation<N, M>& innovation) const {
     const int known = std::min(stepped_ + (look.stepped ? 1 : 0), kRecent);
     const Array sum = steps_.template rightCols<kRecent - 1>().rowwise().sum().array() + look.step;
@@ -353,9 +373,8 @@ Cause Combined<M>::told_apart(const Look& look, const Innovation<N, M>& innovati
         return Cause::noise;
     }
     const Innovation<N, M> used = scaled(innovation, now);
-    if (positions > 0 && velocity_explained(used, gate)) {
-        refused_ = 0;
-        return Cause::place;
+    if (positions > 0 && (velocity_explained(used, gate) || !place_follows(used))) {
+        return Cause::unknown;
     }
     const bool abrupt = trend(look, used) > kAbrupt;
     if (abrupt) {
@@ -372,7 +391,11 @@ Cause Combined<M>::told_apart(const Look& look, const Innovation<N, M>& innovati
         refused_ = 0;
         return Cause::start;
     }
-    take(grown.max(square_of(innovation)).min(limit * limit));
+    const PerGroup larger = grown.max(square_of(innovation)).min(limit * limit);
+    if (!explains(larger)) {
+        return Cause::unknown;
+    }
+    take(larger);
     return Cause::noise;
 }
 

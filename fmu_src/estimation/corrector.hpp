@@ -35,7 +35,7 @@ class Corrector {
     Igg<N> igg;
     AdaptiveFactor<N> adaptive_factor;
     VariationalBayes<M> variational_bayes;
-    Combined<M> combined;  // judges by the gate's threshold itself, whether the gate is enabled or not
+    Combined<M> combined;  // judges by the gate's threshold itself; without the gate, it is the standard one
 
     // Third phase of the filter step. What the gate does not admit changes nothing and has no weight; nor has
     // an epoch without channels, which says nothing, of the prediction neither.
@@ -48,7 +48,7 @@ class Corrector {
     }
 
     // What the last measurement was too large for; of the other correctors, nothing is told.
-    [[nodiscard]] Cause cause() const { return method == Method::combined ? combined.cause() : Cause::none; }
+    [[nodiscard]] Cause cause() const { return judges() ? combined.cause() : Cause::none; }
 
     // Forgets what has been learned of a channel, which belongs to another source from now on.
     void restart(int channel) {
@@ -80,6 +80,8 @@ class Corrector {
   private:
     static constexpr int kMostContradictions = 1000;
 
+    [[nodiscard]] bool judges() const { return method == Method::combined && gate.enabled; }
+
     Correction<N, M> corrected(const Matrix<N>& prior, const Innovation<N, M>& innovation);
 
     int refused_ = 0;         // in a row, counted up to patience
@@ -96,13 +98,15 @@ Correction<N, M> Corrector<N, M>::correct(const Matrix<N>& prior, const Innovati
     }
     const double nis = truenorth::nis(innovation);
     bool explained = gate.explains(nis, channels);
-    const bool judged = method == Method::combined;
+    const bool judged = judges();
     const bool admitted = judged || gate_stands_open || gate.admits(nis, channels);
     Correction<N, M> correction = admitted ? corrected(prior, innovation) : none;
     const bool taken = admitted && !(judged && !correction.used());
     refused_ = taken ? 0 : std::min(refused_ + 1, patience);
     correction.nis = nis;
-    if (method == Method::standard || method == Method::h_infinity || !taken) {
+    const bool as_told = method == Method::standard || method == Method::h_infinity ||
+                         (method == Method::combined && !judged);
+    if (as_told || !taken) {
         correction.nis_used = nis;
         correction.channels_used = channels;
     } else {
@@ -129,7 +133,10 @@ Correction<N, M> Corrector<N, M>::corrected(const Matrix<N>& prior, const Innova
         case Method::variational_bayes:
             return variational_bayes.correct(prior, innovation);
         case Method::combined:
-            return combined.correct(prior, innovation, gate, gate_stands_open, adaptive_factor);
+            if (judges()) {
+                return combined.correct(prior, innovation, gate, gate_stands_open);
+            }
+            break;
         case Method::standard:
             break;
     }

@@ -157,12 +157,10 @@ inline const char* reason(Contradiction contradiction) {
 // What the corrector `combined` blames.
 inline const char* reason(Cause cause) {
     switch (cause) {
-        case Cause::place:
-            return "its position is in doubt";
         case Cause::motion:
             return "a motion that the IMU has not measured, or measured wrongly, is in doubt";
         default:
-            return "all of it is in doubt, as far as the fixes say";
+            return "position, velocity and attitude are in doubt, as far as the fixes say";
     }
 }
 

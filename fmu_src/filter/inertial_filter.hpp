@@ -140,7 +140,7 @@ class InertialFilter {
     template <class E, class Residual>
     void recover(E& engine, const Sighting& seen, const Residual& residual);
     template <class E>
-    void blame(E& engine, Cause cause, const Discrepancy& off);
+    void blame(E& engine, Cause cause, const Discrepancy& off, double mean_square);
     void note_use(const GnssFix::Mask& measured);
     template <class E>
     void open_ledger(const E& engine);

@@ -200,12 +200,16 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         return innovation;
     };
     engine.corrector.gate_stands_open = recovery_.open();
+    engine.corrector.combined.interval = imu_.time() - last_fix_;
     if (went_coarsely()) {
         return;
     }
     auto innovation = innovate();
     auto correction = engine.corrected(innovation);
-    if (innovation.channels() > 0 && engine.corrector.out_of_patience()) {
+    const Cause cause = innovation.channels() > 0 ? engine.corrector.cause() : Cause::none;
+    const bool blamed = cause >= Cause::start;
+    if (innovation.channels() > 0 &&
+        (engine.corrector.out_of_patience() || (blamed && !recovery_.may_doubt(clock_)))) {
         recover(engine, seen, innovation.residual);
         if (went_coarsely()) {
             return;
@@ -213,14 +217,12 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         engine.corrector.gate_stands_open = true;
         innovation = innovate();
         correction = engine.corrected(innovation);
-    } else if (const Cause cause = engine.corrector.cause();
-               innovation.channels() > 0 && cause >= Cause::start) {
-        blame(engine, cause, discrepancy_of(engine, seen, innovation.residual));
-        if (!correction.used()) {
-            engine.corrector.gate_stands_open = true;
-            innovation = innovate();
-            correction = engine.corrected(innovation);
-        }
+    } else if (blamed) {
+        blame(engine, cause, discrepancy_of(engine, seen, innovation.residual),
+              correction.nis / innovation.channels());
+        engine.corrector.gate_stands_open = true;
+        innovation = innovate();
+        correction = engine.corrected(innovation);
     }
     publish_innovation<Where>(outputs, innovation, correction.nis);
     if (!correction.used()) {
@@ -362,20 +364,24 @@ void InertialFilter<Interface, Engines...>::turn(const Eigen::Matrix3d& rotation
     leveller_.turn_with_measured(rotation, travelled_);
 }
 
-// The corrector knows what the last fixes contradict, and the prediction becomes uncertain in that alone. A
-// motion that no sensor measured is an acceleration since the last fix that was used, which goes on: where it
-// is an error of the accelerometers, their biases follow it, and the attitude stays what it is.
+// The corrector knows what the last fixes contradict, and the prediction becomes uncertain in that. A motion
+// that no sensor measured is an acceleration since the last fix that was used, which goes on: where it is an
+// error of the accelerometers, their biases follow it, and the attitude stays what it is. A start that was
+// wrong was told too sure of everything alike (Li, eq. 16), of the attitude as of what the fix shows.
 template <class Interface, class... Engines>
 template <class E>
-void InertialFilter<Interface, Engines...>::blame(E& engine, Cause cause, const Discrepancy& off) {
-    const double elapsed = std::max(imu_.time() - last_fix_, imu_.increment().dt);
-    Uncertainty more;
-    if (cause == Cause::place) {
-        more.position = off.position.cwiseAbs2().asDiagonal();
-    } else if (cause == Cause::motion) {
-        more.velocity = off.velocity.cwiseAbs2().asDiagonal();
+void InertialFilter<Interface, Engines...>::blame(E& engine, Cause cause, const Discrepancy& off,
+                                                  double mean_square) {
+    Uncertainty more{.velocity = off.velocity.cwiseAbs2().asDiagonal()};
+    if (cause == Cause::motion) {
+        const double elapsed = std::max(imu_.time() - last_fix_, imu_.increment().dt);
         more.position = 0.25 * elapsed * elapsed * more.velocity;
         more.accelerometer = off.velocity.squaredNorm() / (elapsed * elapsed);
+    } else {
+        const Eigen::Vector3d widest(Recovery::kTilt, Recovery::kTilt, Recovery::kHeading);
+        const Eigen::Vector3d variance = (mean_square - 1.0) * engine.misalignment_sigma().cwiseAbs2();
+        more.position = off.position.cwiseAbs2().asDiagonal();
+        more.attitude = variance.cwiseMin(widest.cwiseAbs2()).asDiagonal();
     }
     engine.add_uncertainty(more);
     recovery_.doubt(clock_);

@@ -42,9 +42,10 @@ class Recovery {
     // The gate has run out of patience; the filter has been `sure` of its attitude before, or not. Returns
     // the rung to take.
     int climb(double clock, int patience, bool sure) {
-        if (clock - climbed_ > 2.0 * kCalm) {
+        if (calm(clock)) {
             climbs_ = 0;
         }
+        doubts_ = 0;
         climbs_ = std::min(climbs_ + 1, kMostClimbs);
         if (climbs_ == kSensors && !sure) {
             climbs_ = kAttitude;
@@ -69,9 +70,13 @@ class Recovery {
 
     // Something has been doubted without a rung being climbed: the filter is recovering as it is after one.
     void doubt(double clock) {
+        doubts_ = calm(clock) ? 1 : doubts_ + 1;
         climbs_ = std::max(climbs_, 1);
         climbed_ = clock;
     }
+
+    // Doubts that follow one another do not help.
+    [[nodiscard]] bool may_doubt(double clock) const { return calm(clock) || doubts_ < kMostDoubts; }
 
     // The next fix passes whatever its innovation.
     [[nodiscard]] bool open() const { return open_for_ > 0; }
@@ -90,11 +95,17 @@ class Recovery {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(climbs_, open_for_, climbed_, heading_);
+        archive(climbs_, doubts_, open_for_, climbed_, heading_);
+        doubts_ = std::clamp(doubts_, 0, kMostDoubts);
         climbs_ = std::clamp(climbs_, 0, kMostClimbs);  // whatever a damaged state says
     }
 
   private:
+    static constexpr int kMostDoubts = 6;
+
+    [[nodiscard]] bool calm(double clock) const { return clock - climbed_ > 2.0 * kCalm; }
+
+    int doubts_ = 0;           // one after the other
     int climbs_ = 0;           // in this recovery
     int open_for_ = 0;         // fixes
     double heading_ = 0.0;     // tried last [rad]

@@ -18,7 +18,7 @@ FILTERS: Mapping[str, Mapping[str, object]] = {
     "standard, gate": {"corrector": "standard", "gate.enabled": True},
     "IGG": {"corrector": "igg", "gate.enabled": False},
     "variational Bayes": {"corrector": "variational_bayes", "gate.enabled": False},
-    "combined": {"corrector": "combined"},
+    "combined": {"corrector": "combined", "gate.enabled": True},
 }
 NOISE_X_6: Mapping[str, object] = {
     "gnss.noise_scale.step.factor": 6.0,

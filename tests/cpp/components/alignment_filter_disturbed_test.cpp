@@ -182,6 +182,7 @@ TEST(AlignmentFilterGate, IsOpenedForAStartBeyondItsPrior) {
     for (const int patience : {20, 0}) {
         FedFilter fed;
         auto& parameters = fed.filter.parameters;
+        parameters.corrector = decltype(parameters.corrector)::standard;
         parameters.gate.patience = patience;
         parameters.prior.heading_sigma = 1.0 * kDegree;
         parameters.prior.velocity_sigma = 0.1;
@@ -197,6 +198,27 @@ TEST(AlignmentFilterGate, IsOpenedForAStartBeyondItsPrior) {
             continue;
         }
         EXPECT_GE(fed.log.with("(gate.patience): the prediction is blamed"), 1);
+        EXPECT_GE(outputs.used_fixes, 500);
+        EXPECT_LT(outputs.nav.velocity.norm(), 0.1);
+        EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 0.1 * kDegree);
+        EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 3.0 * outputs.heading_sigma);
+    }
+}
+
+TEST(AlignmentFilterCombined, BlamesAStartBeyondItsPrior) {
+    // As above, and heading alone by less.
+    for (const double sigmas : {10.0, 5.0, 2.0}) {
+        FedFilter fed;
+        auto& parameters = fed.filter.parameters;
+        const Trial run;
+        run.start(fed);
+        parameters.prior.heading_sigma = 10.0 / sigmas * kDegree;
+        parameters.prior.velocity_sigma = 0.1;
+        parameters.initial.velocity = {2.0, -2.0, 0.0};
+        fed.filter.initialise(0.0);
+        run.advance(fed, 0, 600 * kRate);
+        const Outputs& outputs = fed.filter.outputs;
+        EXPECT_EQ(fed.log.with("contradict the prediction"), 1);
         EXPECT_GE(outputs.used_fixes, 500);
         EXPECT_LT(outputs.nav.velocity.norm(), 0.1);
         EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 0.1 * kDegree);

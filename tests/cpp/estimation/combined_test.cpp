@@ -36,7 +36,7 @@ class Trial {
 
     explicit Trial(unsigned seed, Filter::Method method = Filter::Method::combined) : random_(seed) {
         filter.method = method;
-        filter.gate.enabled = false;
+        filter.gate.enabled = method == Filter::Method::combined;
         filter.combined.positions = 1;
         covariance = Vector<4>(10.0, 0.2, 3e-4, 1e-3).cwiseAbs2().asDiagonal();
         for (int i = 0; i < 4; ++i) {
@@ -59,6 +59,7 @@ class Trial {
         fix_ = Vector<2>(now.position, now.velocity);
         fix_(0) += now.noise * kPositionSigma * normal_(random_);
         fix_(1) += now.noise * kVelocitySigma * normal_(random_);
+        filter.combined.interval += 1.0;
         return use();
     }
 
@@ -73,6 +74,9 @@ class Trial {
         const auto correction = filter.correct(covariance, innovation);
         error -= correction.deviation;
         covariance = correction.covariance;
+        if (correction.used()) {
+            filter.combined.interval = 0.0;
+        }
         return correction;
     }
 
@@ -191,33 +195,68 @@ TEST_P(CombinedCorrector, BlamesTheMotionForAVelocityThatGoesAway) {
     EXPECT_LT(trial.covariance(kTilt, kTilt), 1.01 * tilt);
 }
 
-TEST_P(CombinedCorrector, BlamesThePlaceForAPositionThatStaysAway) {
+// Neither goes off without the other in a prediction: the measurements are wrong, however many they are.
+TEST_P(CombinedCorrector, HoldsBackAPositionThatStaysAwayAlone) {
     Trial trial = settled(GetParam());
-    Cause cause = Cause::unknown;
-    for (int i = 0; i < 5 && cause == Cause::unknown; ++i) {
-        trial.step({.position = 300.0});
-        cause = trial.filter.cause();
+    for (int i = 0; i < 30; ++i) {
+        EXPECT_FALSE(trial.step({.position = 300.0}).used());
+        EXPECT_EQ(trial.filter.cause(), Cause::unknown);
     }
-    EXPECT_EQ(cause, Cause::place);
+    EXPECT_TRUE(trial.step().used());
 }
 
-TEST_P(CombinedCorrector, BlamesAllOfThePredictionForAStartThatWasWrong) {
+TEST_P(CombinedCorrector, HoldsBackAVelocityThatThePositionDenies) {
+    Trial trial = settled(GetParam());
+    for (int i = 0; i < 30; ++i) {
+        EXPECT_FALSE(trial.step({.velocity = 200.0}).used());
+        EXPECT_EQ(trial.filter.cause(), Cause::unknown);
+    }
+    EXPECT_TRUE(trial.step().used());
+}
+
+TEST_P(CombinedCorrector, BlamesTheStartForAVelocityThatWasWrongWithItsPosition) {
+    Trial trial = settled(GetParam());
+    trial.error(kVelocity) += 20.0;
+    Cause cause = Cause::unknown;
+    for (int i = 0; i < 5 && cause == Cause::unknown; ++i) {
+        trial.step();
+        cause = trial.filter.cause();
+    }
+    EXPECT_GE(cause, Cause::start);
+}
+
+TEST_P(CombinedCorrector, BlamesTheStartForATiltThatWasWrong) {
     Trial trial(GetParam());
     trial.error << 0.0, 0.0, 0.02, 0.0;  // 60 sigmas
     trial.error(kVelocity) = -0.5;       // so that it grows through zero: slowly, by a sigma a second
     bool blamed = false;
     for (int i = 0; i < 60; ++i) {
         const auto correction = trial.step();
-        blamed =
-            blamed || (trial.filter.cause() == Cause::start && correction.used() && correction.alpha < 1.0);
-        if (!correction.used() && trial.filter.cause() != Cause::unknown) {
-            trial.covariance(kVelocity, kVelocity) +=
-                trial.innovation.residual(1) * trial.innovation.residual(1);
-            trial.use(true);
+        if (trial.filter.cause() < Cause::start) {
+            continue;
         }
+        EXPECT_FALSE(correction.used()) << "before the prediction has been made uncertain";
+        const bool start = trial.filter.cause() == Cause::start;
+        blamed = blamed || start;
+        trial.covariance(kPosition, kPosition) += std::pow(trial.innovation.residual(0), 2);
+        trial.covariance(kVelocity, kVelocity) += std::pow(trial.innovation.residual(1), 2);
+        trial.covariance(kTilt, kTilt) *= start ? correction.nis / 2.0 : 1.0;
+        EXPECT_TRUE(trial.use(true).used());
     }
     EXPECT_TRUE(blamed);
     EXPECT_LT(std::abs(trial.error(kTilt)), 0.01);
+}
+
+TEST_P(CombinedCorrector, IsTheStandardOneWithoutTheGate) {
+    Trial trial(GetParam());
+    Trial standard(GetParam(), Trial::Filter::Method::standard);
+    trial.filter.gate.enabled = false;
+    for (int i = 0; i < 50; ++i) {
+        const Disturbance now{.noise = i < 25 ? 1.0 : 6.0};
+        const auto one = trial.step(now);
+        EXPECT_TRUE(same_estimate(one, standard.step(now)));
+        EXPECT_EQ(trial.filter.cause(), Cause::none);
+    }
 }
 
 TEST_P(CombinedCorrector, BelievesNoNoiseBeyondItsLimit) {
