@@ -353,6 +353,15 @@ def did_you_mean(name: str, known: Mapping[str, object] | list[str]) -> str:
     return f"; did you mean '{close[0]}'?" if close else ""
 
 
+def no_such_parameter(name: str, parts: Mapping[str, Fmu], besides: Iterable[str] = ()) -> InputError:
+    """What to raise for a setting that none of the parts has; `besides` are names that would do, too."""
+    asked = " and ".join(dict.fromkeys(fmu.name for fmu in parts.values()))
+    known = [*(parameter for fmu in parts.values() for parameter in fmu.parameter_names()), *besides]
+    return InputError(
+        f"the setting {name}: no FMU has such a parameter (of {asked}){did_you_mean(name, known)}"
+    )
+
+
 def _needed_to_run(member: str) -> bool:
     """Whether a member of an FMU is not its source code."""
     return not member.startswith("sources/")

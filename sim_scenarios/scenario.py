@@ -53,6 +53,7 @@ from sim_scenarios.fmus import (
     Number,
     Unit,
     did_you_mean,
+    no_such_parameter,
 )
 from sim_scenarios.names import Label, Name, Text
 from sim_scenarios.timeline import RESOLUTION
@@ -574,8 +575,7 @@ def setting_owner(name: str, parts: Parts) -> tuple[str, str]:
     if prefix in Scenario.model_fields:
         return "scenario", name
     entries = [entry for entry in Scenario.model_fields if entry not in _OF_THE_FILE]
-    known = [*(p for fmu in parts.values() for p in fmu.parameter_names()), *entries]
-    raise InputError(f"the setting {name}: no FMU has such a parameter{did_you_mean(name, known)}")
+    raise no_such_parameter(name, parts, entries)
 
 
 def _with_entry(table: Mapping[str, Any], path: list[str], value: object) -> dict[str, Any]:

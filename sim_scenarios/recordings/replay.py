@@ -24,7 +24,7 @@ from sim_scenarios.cosimulation import (
     simulate,
 )
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, Fmu, Fmus, Number, did_you_mean
+from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, Fmu, Fmus, Number, no_such_parameter
 from sim_scenarios.instance import Instance
 from sim_scenarios.recordings import checks, fixes
 from sim_scenarios.recordings import reference as references
@@ -255,8 +255,7 @@ def _owners(name: str, parts: Mapping[str, Fmu]) -> tuple[list[str], str]:
     prefix, _, rest = name.partition(".")
     if prefix in parts:
         return [prefix], rest
-    known = [parameter for fmu in parts.values() for parameter in fmu.parameter_names()]
-    raise InputError(f"the setting {name}: no FMU has such a parameter{did_you_mean(name, known)}")
+    raise no_such_parameter(name, parts)
 
 
 def _check_models(parts: Mapping[str, Fmu], values: Values, begun: Beginning) -> None:

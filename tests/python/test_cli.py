@@ -256,6 +256,10 @@ def test_a_scenario_of_the_folder_needs_no_toml(tmp_path: Path, monkeypatch: pyt
         (["run", "swaying_shp"], "did you mean 'swaying_ship'"),
         (["run", "nowhere.toml"], "there is no scenario file nowhere.toml"),
         (["run", "swaying_ship", "--set", "robust.gama=1"], "did you mean 'robust.gamma'"),
+        (
+            ["run", "swaying_ship", "--set", "process.gyro_bias_random_walk=1"],
+            "(of TruthPlant and AlignmentFilter)",
+        ),
         (["run", "swaying_ship", "--set", "robust.gamma"], "write NAME=VALUE"),
         (["run", "swaying_ship", "--set", "prior.heading_sigma=10 mg"], "not in a unit"),
         (["run", "swaying_ship", "--set", "robust.gamma=-1"], "robust.gamma"),
