@@ -45,6 +45,11 @@ class Product:
         return next(line for line in self.license_text.splitlines() if line.startswith("Copyright"))
 
 
+def product_of(version: str) -> Product:
+    """This product, in a version."""
+    return Product(version, "BSD-3-Clause", (ROOT / "LICENSE").read_text(encoding="utf-8"))
+
+
 def render(template: str, declaration: Declaration, **context: object) -> str:
     """Text of a template for a declaration."""
     environment = jinja2.Environment(
@@ -82,7 +87,18 @@ def description(declaration: Declaration, product: Product, sources: list[Path])
             "fmi3/buildDescription.xml": build(declaration, 3),
         }
 
-    page = render(
+    documentation = page(declaration, product)
+    guid = content_hash([*interfaces("").values(), documentation, *code(declaration).values()], sources)
+    return {
+        **interfaces(guid),
+        "documentation/index.html": documentation,
+        "guid.cpp": render("guid.cpp", declaration, guid=guid),
+    }
+
+
+def page(declaration: Declaration, product: Product) -> str:
+    """The FMU's own page: ports, equations, a run, every variable."""
+    return render(
         "index.html",
         declaration,
         product=product,
@@ -94,12 +110,6 @@ def description(declaration: Declaration, product: Product, sources: list[Path])
         theory=written(f"{declaration.name}.html"),
         run=written(f"{declaration.name}.run.html"),
     )
-    guid = content_hash([*interfaces("").values(), page, *code(declaration).values()], sources)
-    return {
-        **interfaces(guid),
-        "documentation/index.html": page,
-        "guid.cpp": render("guid.cpp", declaration, guid=guid),
-    }
 
 
 def written(name: str) -> Markup:
@@ -166,7 +176,7 @@ def main() -> int:
     if arguments.what == "code":
         files = code(declaration)
     else:
-        product = Product(arguments.version, "BSD-3-Clause", (ROOT / "LICENSE").read_text(encoding="utf-8"))
+        product = product_of(arguments.version)
         sources = sorted(path for path in (ROOT / "fmu_src").rglob("*.[ch]pp"))
         files = description(declaration, product, sources)
     for name, text in files.items():

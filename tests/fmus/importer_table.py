@@ -70,6 +70,8 @@ def page() -> str:
 
 HEAD = """# What importers do with an export
 
+For those who take an export into a tool of their own.
+
 Each importer was given the folder that `truenorth export SCENARIO` writes, unchanged and with nothing handed
 in from outside. A cell is the largest difference of the outputs from the reference results in the folder, of
 the largest value of each output; it may be 1e-9 at most; "equal" is none at all. FMPy's command line had the

@@ -212,6 +212,8 @@ def document() -> str:
 def _lines() -> Iterator[str]:
     yield "# Verification matrix"
     yield ""
+    yield "For those who check what the code does against the papers."
+    yield ""
     yield (
         "Every equation, figure and table that the five papers number, and what they compute without a "
         "number: what it is here, the code, the test, and what it was checked against. Written by "
