@@ -1,6 +1,6 @@
 # TrueNorth: every command of the project. `make help` lists them.
 .DEFAULT_GOAL := help
-.PHONY: help run test fmus fmus-all native bench bands soak reproduce lint format test-cpp test-python sanitize fuzz clean
+.PHONY: help run test docs fmus fmus-all native bench bands soak reproduce lint format test-cpp test-python sanitize fuzz clean
 
 PYTHON ?= python3
 VENV   := .venv
@@ -46,6 +46,10 @@ $(READY): pyproject.toml
 	@$(PIP) 'scikit-build-core>=0.10'
 	@$(PIP) --no-build-isolation --config-settings=wheel.cmake=false --editable '.[dev]'
 	@touch $@
+
+docs: $(READY)  ## Build the site of the pages, for reading offline, into build/site
+	@echo "== Building the site"
+	@python -m sphinx --quiet --fail-on-warning --keep-going -d build/doctrees -c docs/site . build/site
 
 fmus: $(READY)  ## Build the FMUs into build/fmus
 	@echo "== Building the FMUs"

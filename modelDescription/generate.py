@@ -46,7 +46,7 @@ class Product:
 
 
 def product_of(version: str) -> Product:
-    """This product, in a version."""
+    """What is made here, in a version."""
     return Product(version, "BSD-3-Clause", (ROOT / "LICENSE").read_text(encoding="utf-8"))
 
 

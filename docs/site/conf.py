@@ -7,23 +7,26 @@ Nothing is fetched from elsewhere, neither when the site is built nor when it is
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
-sys.path[:0] = [str(Path(__file__).parent), str(ROOT), str(ROOT / "modelDescription")]
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+sys.path[:0] = [str(HERE), str(ROOT), str(ROOT / "modelDescription")]
 
 from sim_scenarios import toml  # noqa: E402
 
 project = "TrueNorth"
 release = toml.read(ROOT / "pyproject.toml")["project"]["version"]
-copyright = "the authors of TrueNorth; BSD 3-Clause"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "order", "parameters"]
 
 root_doc = "README"
 include_patterns = ["*.md", "docs/**.md", "examples/*.md", "modelDescription/*.md", "fmu_src/*/*.md"]
+exclude_patterns = [".*", "build", "sim_scenarios", "tests"]
+smartquotes = False
+default_role = "code"
 highlight_language = "none"  # most blocks are commands
-myst_heading_anchors = 4
-autodoc_typehints = "signature"
-
 suppress_warnings = ["misc.highlighting_failure"]  # a sketch in TOML need not be TOML
+myst_heading_anchors = 4
+autodoc_typehints = "none"  # the docstrings have them
+autodoc_preserve_defaults = True
 
 html_theme = "furo"
 html_theme_options = {"dark_css_variables": {"color-background-primary": "#0d1117"}}
@@ -31,5 +34,5 @@ html_title = f"TrueNorth {release}"
 html_extra_path = ["index.html"]
 html_static_path = ["site.css"]
 html_css_files = ["site.css"]
-html_copy_source = False
-html_show_search_summary = False  # would be fetched, which browsers refuse to a page of a folder
+html_show_copyright = html_copy_source = html_use_index = html_domain_indices = False
+html_show_search_summary = False  # would be fetched, which a browser refuses to a page of a folder

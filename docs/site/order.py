@@ -1,4 +1,4 @@
-"""The order of the site is that of the index: `docs/README.md` lists the pages below words in bold, and so does the menu."""
+"""The menu of the site: the index `docs/README.md`, whose words in bold are its headings."""
 
 import re
 from pathlib import PurePosixPath
@@ -12,7 +12,7 @@ PAGE = re.compile(r"\]\(([^)#:]+)\.md\)")
 
 
 def menu(index: str) -> str:
-    """The tables of contents that an index makes, one for each of its sections, which no reader of the page sees."""
+    """Tables of contents, one for each section of an index, which the page that has them does not show."""
     sections = {"The pages": [str(INDEX.with_suffix(""))]}
     for title, text in SECTION.findall(index):
         sections[title] = [normpath(INDEX.parent / page) for page in PAGE.findall(text)]
@@ -25,8 +25,9 @@ def menu(index: str) -> str:
 
 def _add_menu(app: Sphinx, name: str, source: list[str]) -> None:
     if name == app.config.root_doc:
-        source[0] += menu((app.srcdir / INDEX).read_text(encoding="utf-8"))
-        app.env.note_dependency(str(app.srcdir / INDEX))
+        index = app.srcdir / INDEX
+        source[0] += menu(index.read_text(encoding="utf-8"))
+        app.env.note_dependency(str(index))
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

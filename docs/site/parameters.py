@@ -1,7 +1,7 @@
-"""What the declarations of the FMUs say, in the site: tables of parameters, and the page that each FMU carries.
+"""What the declarations say of the FMUs: tables of their parameters, and the page that each carries.
 
-A block of code `{parameters} TruthPlant` becomes its table. What the block holds is shown by a web view of the
-repository in its place: the command that lists the parameters.
+A block of code `{parameters} TruthPlant` becomes its table. A web view of the repository shows what the block
+holds in its place: the command that lists the parameters.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from shutil import copytree
 
 import generate
-from declaration import Variable
+from declaration import Declaration, Variable
 from docutils import nodes
 from reading import read
 from sphinx.application import Sphinx
@@ -17,50 +17,46 @@ from sphinx.util.docutils import SphinxDirective
 from units import UNITS
 
 TITLES = ("parameter", "unit", "default", "tunable", "meaning")
-DOCUMENTATION = generate.HERE / "documentation"
+LICENSES = generate.HERE / "documentation" / "licenses"
 FOLDER = "fmus"
 """Of the site, for the pages that the FMUs carry."""
 
 
 class Parameters(SphinxDirective):
-    """The parameters of an FMU."""
+    """The parameters of an FMU, below a link to its page."""
 
     required_arguments = 1
     has_content = True
 
     def run(self) -> list[nodes.Node]:
-        """A link to the page of the FMU, and the table."""
-        path = generate.HERE / f"{self.arguments[0]}.toml"
-        self.env.note_dependency(str(path))
-        declaration = read(path)
+        """What stands in place of the block."""
+        declaration = read(generate.HERE / f"{self.arguments[0]}.toml")
         address = f"{'../' * self.env.docname.count('/')}{FOLDER}/{declaration.name}.html"
         link = nodes.reference("", "Its own page", refuri=address)
-        about = nodes.paragraph("", "", link, nodes.Text(" has the equations, the limits and every variable."))
-        choices = {name: [item.name for item in e.items] for name, e in declaration.enumeration.items()}
+        has = nodes.Text(" has the equations, the limits and every variable.")
+        rows = [_row(declaration, one) for one in declaration.of("parameter", "tunable")]
         group = nodes.tgroup("", *(nodes.colspec() for _ in TITLES), cols=len(TITLES))
-        group += nodes.thead("", _row(*(nodes.Text(title) for title in TITLES)))
-        group += nodes.tbody(
-            "", *(_parameter(one, choices) for one in declaration.of("parameter", "tunable"))
-        )
-        return [about, nodes.table("", group)]
+        group += [nodes.thead("", _line(*map(nodes.Text, TITLES))), nodes.tbody("", *rows)]
+        self.env.note_reread()  # the declarations lie in many files
+        return [nodes.paragraph("", "", link, has), nodes.table("", group)]
 
 
-def _parameter(variable: Variable, choices: dict[str, list[str]]) -> nodes.row:
+def _row(declaration: Declaration, variable: Variable) -> nodes.row:
     unit = variable.display_unit or variable.unit_text
-    factor = UNITS[variable.units[0]].display[unit] if variable.display_unit else None
-    starts = dict.fromkeys(variable.starts)
-    defaults = (f"{start * factor:.6g}" if factor else str(start).lower() for start in starts)
-    size = f" ({len(variable.indices)})" if variable.shape else ""
-    return _row(
-        nodes.literal("", variable.name + size),
+    factor = UNITS[variable.units[0]].display[unit] if variable.display_unit else 1
+    starts = (f"{factor * one:.6g}" if unit else str(one).lower() for one in dict.fromkeys(variable.starts))
+    choices = declaration.enumeration.get(variable.type)
+    items = f": {', '.join(item.name for item in choices.items)}" if choices else ""
+    return _line(
+        nodes.literal("", variable.name),
         nodes.Text("" if unit == "1" else unit),
-        nodes.Text(", ".join(defaults)),
+        nodes.Text(", ".join(starts)),
         nodes.Text("yes" if variable.causality == "tunable" else ""),
-        nodes.Text(": ".join([variable.description, *filter(None, [", ".join(choices.get(variable.type, []))])])),
+        nodes.Text(variable.description + items),
     )
 
 
-def _row(*cells: nodes.Node) -> nodes.row:
+def _line(*cells: nodes.Node) -> nodes.row:
     return nodes.row("", *(nodes.entry("", nodes.paragraph("", "", cell)) for cell in cells))
 
 
@@ -70,7 +66,7 @@ def _write_pages(app: Sphinx, error: Exception | None) -> None:
         for path in generate.HERE.glob("*.toml"):
             page = generate.page(read(path), product)
             generate.write(app.outdir / FOLDER / f"{path.stem}.html", page)
-        copytree(DOCUMENTATION / "licenses", app.outdir / FOLDER / "licenses", dirs_exist_ok=True)
+        copytree(LICENSES, app.outdir / FOLDER / "licenses", dirs_exist_ok=True)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -22,8 +22,10 @@ browser_is_there = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not 
 
 
 @contextmanager
-def opened(chromium: Browser, address: str, width: int, scheme: str = "light") -> Iterator[Page]:
-    """A page that asks nobody but where it is from; at the end the console must have been silent."""
+def opened(
+    chromium: Browser, address: str, width: int, scheme: str = "light", site: str | None = None
+) -> Iterator[Page]:
+    """A page that asks nobody but where it or its site is from; at the end the console must have been silent."""
     context = chromium.new_context(viewport={"width": width, "height": 900}, offline=address[:5] == "file:")
     page = context.new_page()
     page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
@@ -31,7 +33,7 @@ def opened(chromium: Browser, address: str, width: int, scheme: str = "light") -
     said: list[str] = []
     page.on("console", lambda message: said.append(message.text))
     page.on("pageerror", lambda error: said.append(str(error)))
-    page.on("request", lambda r: None if r.url.startswith((address, "data:")) else said.append(r.url))
+    page.on("request", lambda r: None if r.url.startswith((site or address, "data:")) else said.append(r.url))
     page.goto(address)
     yield page
     assert said == []
