@@ -23,7 +23,7 @@ PAGES = sorted(
         *(ROOT / "docs").rglob("*.md"),
         *(ROOT / "examples").glob("*.md"),
         ROOT / "modelDescription" / "README.md",
-        ROOT / "fmu_src" / "components" / "README.md",
+        *(ROOT / "fmu_src").rglob("*.md"),
     ]
 )
 FENCED = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
@@ -103,6 +103,13 @@ def test_every_command_is_shown_in_its_page() -> None:
     assert not [
         name for name in COMMANDS if f"truenorth {name} " not in page and f"truenorth {name}`" not in page
     ]
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page != ROOT / "README.md"], ids=name_of)
+def test_a_page_says_for_whom_it_is(page: Path) -> None:
+    title, first = page.read_text().split("\n\n")[:2]
+    assert title.startswith("# ")
+    assert first.startswith("For those who ")
 
 
 def test_the_pages_of_docs_are_listed() -> None:

@@ -11,6 +11,23 @@ from pathlib import Path
 import pytest
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
+TUTORIALS = {path.stem: path for path in (EXAMPLES.parent / "docs" / "tutorials").glob("[a-z]*.md")}
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
+
+
+def blocks(tutorial: str, language: str) -> list[str]:
+    """What a tutorial shows in a language; a tutorial has the name of its example."""
+    text = TUTORIALS[tutorial].read_text() if tutorial in TUTORIALS else ""
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+
+
+def same(one: str, other: str) -> bool:
+    """Whether two lines have the same words, and the same numbers but for the rounding of another machine."""
+    words, numbers = zip(
+        *((NUMBER.sub("#", x).split(), NUMBER.findall(x)) for x in (one, other)), strict=True
+    )
+    figures = [[float(number) for number in line] for line in numbers]
+    return words[0] == words[1] and figures[0] == pytest.approx(figures[1], rel=0.01, abs=0.02)
 
 
 def aligns(said: str) -> None:
@@ -73,9 +90,26 @@ def test_every_example_is_run_and_listed() -> None:
     assert all(f"({name}.py)" in listed for name in FINDS)
 
 
+@pytest.mark.parametrize("name", TUTORIALS)
+def test_a_tutorial_shows_what_its_example_does(name: str) -> None:
+    shown = blocks(name, "python")
+    assert shown
+    assert blocks(name, "text")
+    script = (EXAMPLES / f"{name}.py").read_text()
+    assert [block for block in shown if block not in script] == []
+
+
+def test_another_figure_is_found() -> None:
+    assert same("UKF:   heading RMSE  6.70 arcmin", "UKF: heading RMSE 6.71 arcmin")
+    assert not same("UKF: heading RMSE 6.70 arcmin", "UKF: heading RMSE 6.90 arcmin")
+    assert not same("UKF: heading RMSE 6.70 arcmin", "EKF: heading RMSE 6.70 arcmin")
+
+
 @pytest.mark.parametrize("name", FINDS)
 def test_an_example_runs_as_it_is(tmp_path: Path, name: str) -> None:
     command = [sys.executable, str(EXAMPLES / f"{name}.py")]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=1200, check=False)
     assert done.returncode == 0, done.stderr
     FINDS[name](done.stdout)
+    for line in "".join(blocks(name, "text")).splitlines():
+        assert any(same(line, said) for said in done.stdout.splitlines()), line

@@ -16,7 +16,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 from units import UNITS
 
-TITLES = ("parameter", "unit", "default", "tunable", "meaning")
+TITLES = ("parameter", "unit", "default", "meaning")
 LICENSES = generate.HERE / "documentation" / "licenses"
 FOLDER = "fmus"
 """Of the site, for the pages that the FMUs carry."""
@@ -38,21 +38,24 @@ class Parameters(SphinxDirective):
         group = nodes.tgroup("", *(nodes.colspec() for _ in TITLES), cols=len(TITLES))
         group += [nodes.thead("", _line(*map(nodes.Text, TITLES))), nodes.tbody("", *rows)]
         self.env.note_reread()  # the declarations lie in many files
-        return [nodes.paragraph("", "", link, has), nodes.table("", group)]
+        return [nodes.paragraph("", "", link, has), nodes.table("", group, classes=["parameters"])]
 
 
 def _row(declaration: Declaration, variable: Variable) -> nodes.row:
     unit = variable.display_unit or variable.unit_text
     factor = UNITS[variable.units[0]].display[unit] if variable.display_unit else 1
-    starts = (f"{factor * one:.6g}" if unit else str(one).lower() for one in dict.fromkeys(variable.starts))
+    real = variable.type == "Real"
+    starts = (
+        f"{factor * float(one):.6g}" if real else str(one).lower() for one in dict.fromkeys(variable.starts)
+    )
     choices = declaration.enumeration.get(variable.type)
     items = f": {', '.join(item.name for item in choices.items)}" if choices else ""
+    tunable = " (tunable)" if variable.causality == "tunable" else ""
     return _line(
         nodes.literal("", variable.name),
         nodes.Text("" if unit == "1" else unit),
         nodes.Text(", ".join(starts)),
-        nodes.Text("yes" if variable.causality == "tunable" else ""),
-        nodes.Text(variable.description + items),
+        nodes.Text(variable.description + items + tunable),
     )
 
 

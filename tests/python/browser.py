@@ -25,7 +25,7 @@ browser_is_there = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not 
 def opened(
     chromium: Browser, address: str, width: int, scheme: str = "light", site: str | None = None
 ) -> Iterator[Page]:
-    """A page that asks nobody but where it or its site is from; at the end the console must have been silent."""
+    """A page that asks nobody but itself, or its site; at the end the console must have been silent."""
     context = chromium.new_context(viewport={"width": width, "height": 900}, offline=address[:5] == "file:")
     page = context.new_page()
     page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
