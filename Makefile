@@ -49,7 +49,8 @@ $(READY): pyproject.toml
 
 docs: $(READY)  ## Build the site of the pages, for reading offline, into build/site
 	@echo "== Building the site"
-	@python -m sphinx --quiet --fail-on-warning --keep-going -d build/doctrees -c docs/site . build/site
+	@rm -rf build/site
+	@python -m sphinx --quiet --fail-on-warning --keep-going --fresh-env -d build/doctrees -c docs/site . build/site
 
 fmus: $(READY)  ## Build the FMUs into build/fmus
 	@echo "== Building the FMUs"

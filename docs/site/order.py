@@ -25,9 +25,7 @@ def menu(index: str) -> str:
 
 def _add_menu(app: Sphinx, name: str, source: list[str]) -> None:
     if name == app.config.root_doc:
-        index = app.srcdir / INDEX
-        source[0] += menu(index.read_text(encoding="utf-8"))
-        app.env.note_dependency(str(index))
+        source[0] += menu((app.srcdir / INDEX).read_text(encoding="utf-8"))
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -37,7 +37,6 @@ class Parameters(SphinxDirective):
         rows = [_row(declaration, one) for one in declaration.of("parameter", "tunable")]
         group = nodes.tgroup("", *(nodes.colspec() for _ in TITLES), cols=len(TITLES))
         group += [nodes.thead("", _line(*map(nodes.Text, TITLES))), nodes.tbody("", *rows)]
-        self.env.note_reread()  # the declarations lie in many files
         return [nodes.paragraph("", "", link, has), nodes.table("", group, classes=["parameters"])]
 
 

@@ -98,6 +98,11 @@ def test_nothing_is_fetched_from_elsewhere(site: Path, pages: dict[Path, Html]) 
     assert not [style for style in styles if asked.search(style)]
 
 
+def test_a_page_that_asks_elsewhere_is_found() -> None:
+    html = Html('<link href="https://a/b.css"><script src="//a/b.js"></script><img src="c.png"><a href="https://d">')
+    assert [address for address in html.fetched if elsewhere(address)] == ["https://a/b.css", "//a/b.js"]
+
+
 def test_what_python_offers_is_explained(pages: dict[Path, Html], site: Path) -> None:
     explained = {name.removeprefix("module-") for name in pages[site / "docs" / "python.html"].anchors}
     assert {f"sim_scenarios.{name}" for name in sim_scenarios.__all__} <= explained
