@@ -99,7 +99,9 @@ def test_nothing_is_fetched_from_elsewhere(site: Path, pages: dict[Path, Html]) 
 
 
 def test_a_page_that_asks_elsewhere_is_found() -> None:
-    html = Html('<link href="https://a/b.css"><script src="//a/b.js"></script><img src="c.png"><a href="https://d">')
+    html = Html(
+        '<link href="https://a/b.css"><script src="//a/b.js"></script><img src="c.png"><a href="https://d">'
+    )
     assert [address for address in html.fetched if elsewhere(address)] == ["https://a/b.css", "//a/b.js"]
 
 
