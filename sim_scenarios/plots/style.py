@@ -15,6 +15,7 @@ import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
@@ -55,9 +56,10 @@ STYLE: dict[Any, Any] = {
 
 
 def png(drawn: Figure) -> bytes:
-    """A figure as PNG."""
+    """A figure as PNG, drawn once; `savefig` draws it twice when it has a layout."""
     buffer = io.BytesIO()
-    drawn.savefig(buffer, format="png", dpi=110)
+    drawn.set_dpi(110)
+    FigureCanvasAgg(drawn).print_png(buffer)
     return buffer.getvalue()
 
 

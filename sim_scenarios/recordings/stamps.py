@@ -14,7 +14,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter, rank_filter
-from scipy.signal import savgol_filter
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.tables import Array
@@ -121,6 +120,8 @@ def _line(time: Array) -> Array:
     window -= 1 - window % 2
     if window < 3:
         return time
+    from scipy.signal import savgol_filter  # imports that every other command does without
+
     first: Array = median_filter(late, window, mode="mirror")
     off = np.abs(late - first)
     trusted = np.where(off <= 3 * 1.4826 * np.median(off), late, first)
