@@ -95,7 +95,7 @@ test-cpp: native  ## C++ tests
 
 test-python: fmus  ## Python and FMU tests
 	@echo "== Python and FMU tests"
-	@python -m pytest -n $(JOBS)
+	@python -m pytest -n $(JOBS) --dist worksteal
 
 SANITIZED = $(SEED:%=-DFUZZ_SEED=%) $(CALLS:%=-DFUZZ_CALLS=%) $(STATES:%=-DFUZZ_STATES=%)
 
