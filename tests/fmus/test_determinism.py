@@ -40,6 +40,12 @@ def describe(name: str, folder: Path, root: Path = ROOT) -> str:
     return found[1]
 
 
+@pytest.fixture(scope="session")
+def guid(fmu: Fmu, tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Of the sources as they are."""
+    return describe(fmu.name, tmp_path_factory.mktemp("described"))
+
+
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
     """The sources, in another place."""
@@ -57,16 +63,17 @@ def test_packing_again_gives_the_same_bytes(fmu: Fmu, tmp_path: Path) -> None:
     assert again.read_bytes() == fmu.archive.read_bytes()
 
 
-def test_the_guid_depends_on_the_content_alone(fmu: Fmu, tmp_path: Path, copy: Path) -> None:
-    assert describe(fmu.name, tmp_path / "one") == describe(fmu.name, tmp_path / "two", copy)
+def test_the_guid_depends_on_the_content_alone(fmu: Fmu, guid: str, tmp_path: Path, copy: Path) -> None:
+    assert describe(fmu.name, tmp_path, copy) == guid
 
 
 @pytest.mark.parametrize("changed", ["fmu_src/fmi/instance.cpp", "modelDescription/{name}.toml", "LICENSE"])
-def test_the_guid_changes_with_the_content(fmu: Fmu, tmp_path: Path, copy: Path, changed: str) -> None:
-    before = describe(fmu.name, tmp_path, copy)
+def test_the_guid_changes_with_the_content(
+    fmu: Fmu, guid: str, tmp_path: Path, copy: Path, changed: str
+) -> None:
     with (copy / changed.format(name=fmu.name)).open("a") as file:
         file.write(ADDED.get(changed, "\n"))
-    assert describe(fmu.name, tmp_path, copy) != before
+    assert describe(fmu.name, tmp_path, copy) != guid
 
 
 def test_the_library_carries_the_guid_of_the_description(fmu: Fmu) -> None:
