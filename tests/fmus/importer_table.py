@@ -34,9 +34,14 @@ class Importer:
     fmi: str
 
 
+def asked() -> bool:
+    """Whether what is measured is to be kept."""
+    return os.environ.get(RECORDING) == "1"
+
+
 def keep(importer: Importer, scenario: str, outcome: float | str) -> None:
     """Keep what a test measured, if that is asked for; an older figure of the same cell gives way."""
-    if os.environ.get(RECORDING) != "1":
+    if not asked():
         return
     cells = [cell for cell in load() if (cell["name"], cell["way"], cell["fmi"], cell["scenario"]) !=
              (importer.name, importer.way, importer.fmi, scenario)]  # fmt: skip

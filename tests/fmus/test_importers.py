@@ -1,8 +1,8 @@
 """Other tools run what `truenorth export SCENARIO` writes, unchanged, and reach its reference results.
 
 Nothing is handed in from outside: no parameter, no start value, no step but the one that the folder names.
-With TRUENORTH_RECORD_IMPORTERS=1 what was measured is kept in `importers.json`, of which `importer_table.py`
-makes `docs/importers.md`.
+With TRUENORTH_RECORD_IMPORTERS=1 the scenarios are run to their end, and what was measured is kept in
+`importers.json`, of which `importer_table.py` makes `docs/importers.md`. Without it, they are cut short.
 """
 
 from __future__ import annotations
@@ -54,6 +54,20 @@ SCENARIOS = ("swaying_ship", "align_then_navigate", "flight_loose_tight", "dvl_a
 RECORDING = "recorded_ship"
 """20 s of the plant's signals in a CSV file."""
 
+SHORT = {"align_then_navigate": 300.0}
+"""It hands over after some 230 s; of the others, a minute shows all that is connected [s].
+
+FMPy sums its steps: over 60 s and 300 s as over the whole scenarios, it takes every one of them.
+"""
+
+
+def settings(scenario: str) -> dict[str, float]:
+    """What is set, of a scenario."""
+    if importer_table.asked() or scenario == RECORDING:
+        return {}
+    duration = SHORT.get(scenario, 60.0)
+    return {"duration": duration, "evaluation.start": duration / 2, "evaluation.stop": duration}
+
 
 @dataclass(frozen=True)
 class Exported:
@@ -84,17 +98,19 @@ def exported(
     """What a partner gets."""
     folder, scenario = tmp_path_factory.mktemp("partner"), request.param
     fmus = Fmus({path.stem: Fmu(path) for path in FMUS.glob("*.fmu")})
+    changed = settings(scenario)
     file = plain_csv(signals, tmp_path_factory.mktemp("recording") / f"{RECORDING}.csv")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TRUENORTH_FMUS", str(FMUS))
-        what = str(file) if scenario == RECORDING else scenario
-        result = CliRunner().invoke(app, ["export", what, "--output", str(folder)])
+        what = [str(file) if scenario == RECORDING else scenario]
+        what += [f"--set={name}={value}" for name, value in changed.items()]
+        result = CliRunner().invoke(app, ["export", *what, "--output", str(folder)])
     assert result.exit_code == 0, result.output
     if scenario == RECORDING:
         recording = load_recording(file)
         options = {"task": Filter.alignment, "settings": {}, "fmus": fmus}
         return Exported(scenario, folder, of_recording(recording, Start(), file.parent, **options))
-    loaded = load_scenario(scenario, fmus, settings={"communication_step": STEP})
+    loaded = load_scenario(scenario, fmus, settings={"communication_step": STEP, **changed})
     return Exported(scenario, folder, of_scenario(loaded, fmus))
 
 
