@@ -35,8 +35,30 @@ def test_bands_name_a_scenario_its_filters_and_their_reason(name: str, fmus: Fmu
         assert all(isinstance(one, Band) for of in expectations.figures.values() for one in of.values())
 
 
-def command(*arguments: object) -> list[str]:
-    return [sys.executable, "-m", "sim_scenarios.bands", *map(str, arguments), "--workers", "2"]
+SHORT = """
+scenarios = ["{name}"]
+set = {{ duration = {duration}, "evaluation.start" = 10.0 }}
+
+[[expect]]
+why = "So that it is {why}."
+
+[expect.figures]
+"UKF" = {{ heading = [0, {high}] }}
+"""
+
+
+MODULE = """
+import runpy, sys
+from pathlib import Path
+from sim_scenarios import catalogue
+catalogue.BANDS = Path(sys.argv.pop(1))
+runpy.run_module("sim_scenarios.bands", run_name="__main__")
+"""
+"""`python -m sim_scenarios.bands` with bands of another folder."""
+
+
+def command(bands: Path, *arguments: object) -> list[str]:
+    return [sys.executable, "-c", MODULE, str(bands), *map(str, arguments), "--workers", "2"]
 
 
 def states(folder: Path) -> Mapping[Path, int]:
@@ -48,9 +70,18 @@ def finished(folder: Path) -> int:
     return store.counts(path)[State.finished] if path.exists() else 0
 
 
-def test_bands_that_are_interrupted_go_on(fmus: Fmus, tmp_path: Path) -> None:  # noqa: ARG001
+def test_bands_that_are_interrupted_go_on(
+    fmus: Fmus,  # noqa: ARG001
+    tmp_path: Path,
+    tmp_path_factory: pytest.TempPathFactory,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Between and within scenarios; what is done is not done again, and says the same as in one go."""
-    asked = command("--only", "turn", "zigzag", "-n", 3, "--json", "-o", tmp_path)
+    bands = tmp_path_factory.mktemp("bands")
+    for name in ("turn", "zigzag"):  # runs that take long enough to be interrupted
+        text = SHORT.format(name=name, duration=400.0, why="ok", high=1e6)
+        (bands / f"{name}.toml").write_text(text, encoding="utf-8")
+    asked = command(bands, "--only", "turn", "zigzag", "-n", 3, "--json", "-o", tmp_path)
     with subprocess.Popen(asked, stdout=-1, stderr=-1, text=True, start_new_session=True) as running:
         while finished(tmp_path / "zigzag") == 0:
             assert running.poll() is None
@@ -64,23 +95,12 @@ def test_bands_that_are_interrupted_go_on(fmus: Fmus, tmp_path: Path) -> None:  
     resumed = subprocess.run(asked, capture_output=True, text=True, check=False)
     assert states(tmp_path).items() >= before.items()
     assert (tmp_path / "zigzag" / "report.html").is_file()
+    monkeypatch.setattr(catalogue, "BANDS", bands)
     at_once = CliRunner().invoke(
         app, ["bands", "turn", "zigzag", "-n", "3", "--json", "-o", str(tmp_path / "b")]
     )
     assert json.loads(resumed.stdout)["rows"] == json.loads(at_once.stdout)["rows"]
     assert resumed.returncode == at_once.exit_code
-
-
-SHORT = """
-scenarios = ["turn"]
-set = {{ duration = 20.0, "evaluation.start" = 10.0 }}
-
-[[expect]]
-why = "So that it is {why}."
-
-[expect.figures]
-"UKF" = {{ heading = [0, {high}] }}
-"""
 
 
 @pytest.mark.parametrize(("high", "why", "code"), [(1e6, "ok", 0), (1e-6, "**missed**", 1)])
@@ -92,7 +112,9 @@ def test_the_table_the_page_and_the_exit_code(
     why: str,
     code: int,
 ) -> None:
-    (tmp_path / "short.toml").write_text(SHORT.format(high=high, why=why), encoding="utf-8")
+    (tmp_path / "short.toml").write_text(
+        SHORT.format(name="turn", duration=20.0, high=high, why=why), encoding="utf-8"
+    )
     monkeypatch.setattr(catalogue, "BANDS", tmp_path)
     result = CliRunner().invoke(app, ["bands", "-n", "2", "-o", str(tmp_path), "--workers", "1"])
     assert result.exit_code == code, result.output
