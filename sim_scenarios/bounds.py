@@ -41,6 +41,7 @@ from sim_scenarios.attitude import skew
 from sim_scenarios.earth import EARTH_RATE, curvature, earth_rate, gravity, radii
 from sim_scenarios.errors import InputError
 from sim_scenarios.metrics.statistics import rms
+from sim_scenarios.rauch_tung_striebel import Forward, smooth
 from sim_scenarios.timeline import inside
 from sim_scenarios.units import DEGREE, HOUR, STANDARD_GRAVITY
 
@@ -73,6 +74,10 @@ class Trajectory:
     velocity: Array
     latitude: Array
     height: Array
+
+    def __getitem__(self, rows: slice) -> Trajectory:
+        """Some of its samples."""
+        return Trajectory(**{name: values[rows] for name, values in vars(self).items()})
 
 
 @dataclass(frozen=True)
@@ -143,7 +148,7 @@ class Bound:
         return rms(self.heading_sigma[held])
 
 
-def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
+def cramer_rao(trajectory: Trajectory, knowledge: Knowledge, *, smoothed: bool = False) -> Bound:
     """Posterior Cramer-Rao bound of the error states along a trajectory.
 
     Parameters
@@ -152,6 +157,8 @@ def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
         True motion.
     knowledge : Knowledge
         Prior, noise and GNSS.
+    smoothed : bool
+        That of what is known when all measurements are there, instead of those until then.
 
     Returns
     -------
@@ -160,22 +167,27 @@ def cramer_rao(trajectory: Trajectory, knowledge: Knowledge) -> Bound:
     """
     prior = _prior_sigma(knowledge)
     aids = _aids(trajectory, knowledge, len(prior))
-    transition, noise = _discretise(trajectory, knowledge, len(prior))
-    P = np.diag(prior**2)
-    variance = [P.diagonal().copy()]
-    measured = np.zeros(len(trajectory.time), bool)
+    density = np.zeros(len(prior))
+    density[ATTITUDE] = knowledge.angle_random_walk**2
+    density[VELOCITY] = knowledge.velocity_random_walk**2
+    transition, noise = discretised(trajectory[:-1], trajectory[1:], density)
+    predicted = np.empty((len(trajectory.time), len(prior), len(prior)))
+    filtered = predicted.copy()
+    predicted[0] = filtered[0] = P = np.diag(prior**2)
+    measured = np.arange(len(trajectory.time)) == 0
     for k in range(1, len(trajectory.time)):
-        P = transition[k - 1] @ P @ transition[k - 1].T + noise[k - 1]
+        predicted[k] = P = transition[k - 1] @ P @ transition[k - 1].T + noise[k - 1]
         for aid in aids:
             if aid.arriving[k]:
                 measured[k] = True
                 cross = aid.H[k] @ P
                 P = P - cross.T @ np.linalg.solve(cross @ aid.H[k].T + aid.R / aid.arriving[k], cross)
                 P = (P + P.T) / 2
-        if measured[k]:
-            variance.append(P.diagonal().copy())
-    time = np.concatenate((trajectory.time[:1], trajectory.time[measured]))
-    return Bound(time=time, sigma=np.sqrt(np.array(variance)))
+        filtered[k] = P
+    if smoothed:
+        _, filtered = smooth(Forward(transition, predicted, filtered, np.zeros(predicted.shape[:2])))
+    variance = np.diagonal(filtered[measured], axis1=1, axis2=2)
+    return Bound(time=trajectory.time[measured], sigma=np.sqrt(variance))
 
 
 @dataclass(frozen=True)
@@ -247,24 +259,35 @@ def _observation_of_log(trajectory: Trajectory, _: Knowledge, states: int) -> Ar
     return H
 
 
-def _discretise(trajectory: Trajectory, knowledge: Knowledge, states: int) -> tuple[Array, Array]:
-    """Transition and noise matrices of every interval of the trajectory, shapes (n - 1, states, states).
+def discretised(begin: Trajectory, end: Trajectory, density: Array) -> tuple[Array, Array]:
+    """Transition and noise matrices of the errors over the intervals between two samples of a trajectory.
 
     The mean specific force of an interval follows exactly from the velocities at its ends,
     f_n = dv/dt + (2 w_ie + w_en) x v + g; the mean attitude from the attitudes at its ends.
+
+    Parameters
+    ----------
+    begin, end : Trajectory
+        Of the intervals; n samples each.
+    density : ndarray, shape (states,)
+        Of the white noise that drives each state [its unit squared / s]. Of 15 states on there are positions.
+
+    Returns
+    -------
+    tuple of ndarray, shapes (n, states, states)
     """
-    dt = np.diff(trajectory.time)[:, None, None]
+    states = len(density)
+    dt = (end.time - begin.time)[:, None, None]
     if not np.all(dt > 0):
         raise ValueError("the times of a trajectory must increase")
     C_bn, velocity, latitude, height = (
-        (x[1:] + x[:-1]) / 2
-        for x in (trajectory.C_bn, trajectory.velocity, trajectory.latitude, trajectory.height)
+        (getattr(begin, name) + getattr(end, name)) / 2 for name in ("C_bn", "velocity", "latitude", "height")
     )
     w_ie = earth_rate(latitude)
     to_transport_rate = curvature(latitude, height)
     w_en = (to_transport_rate @ velocity[..., None])[..., 0]
     coriolis = skew(2 * w_ie + w_en)
-    force = np.diff(trajectory.velocity, axis=0) / dt[..., 0] + (coriolis @ velocity[..., None])[..., 0]
+    force = (end.velocity - begin.velocity) / dt[..., 0] + (coriolis @ velocity[..., None])[..., 0]
     g = gravity(latitude, height)
     force[:, 2] += g
 
@@ -275,17 +298,12 @@ def _discretise(trajectory: Trajectory, knowledge: Knowledge, states: int) -> tu
     F[:, VELOCITY, ATTITUDE] = skew(force)
     F[:, VELOCITY, VELOCITY] = -coriolis + skew(velocity) @ to_transport_rate
     F[:, VELOCITY, ACCELEROMETER_BIAS] = C_bn
-    if knowledge.gnss_position_sigma is not None:
+    if states >= POSITION.stop:
         F[:, POSITION, POSITION] = -skew(w_en)
         F[:, POSITION, VELOCITY] = np.eye(3)
         F[:, VELOCITY.stop - 1, POSITION.stop - 1] = 2 * g / radii(latitude)[1]
     F *= dt
     square = F @ F
     transition = np.eye(states) + F + square / 2 + square @ F / 6
-
-    Q = np.zeros(states)
-    Q[ATTITUDE] = knowledge.angle_random_walk**2
-    Q[VELOCITY] = knowledge.velocity_random_walk**2
-    density = np.diag(Q) * dt
     half = np.eye(states) + F / 2
-    return transition, half @ density @ np.swapaxes(half, -1, -2)
+    return transition, half @ (np.diag(density) * dt) @ np.swapaxes(half, -1, -2)

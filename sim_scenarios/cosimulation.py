@@ -289,6 +289,8 @@ class Recorded:
         Outputs of each filter by name, periodically and after each fix.
     alignment : dict of str to ndarray, or None
         Outputs of the alignment that is handed over, periodically as those of the filters.
+    corrections : list of Corrections
+        What the fixes corrected in each filter, where that is recorded.
     """
 
     time: Array
@@ -297,6 +299,23 @@ class Recorded:
     filters: list[Columns]
     fixes: list[Columns]
     alignment: Columns | None = None
+    corrections: Sequence[Corrections] = ()
+
+
+@dataclass(frozen=True)
+class Corrections:
+    """Outputs of a filter by name, after the steps that brought a fix and as they were without the fix.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Master times [s].
+    without, after : dict of str to ndarray, shape (n,)
+    """
+
+    time: Array
+    without: Columns
+    after: Columns
 
 
 FIX_SIGNALS: Final = ("gnss.sample", "gnss.time")
@@ -339,6 +358,7 @@ def simulate(
     source_outputs: Sequence[str] = (),
     fix_outputs: Sequence[str] = (),
     alignment_outputs: Sequence[str] = (),
+    correction_outputs: Sequence[str] = (),
     order: Order = Order.gauss_seidel,
     progress: Progress = lambda _: None,
 ) -> Recorded:
@@ -361,6 +381,8 @@ def simulate(
         periodically.
     alignment_outputs : sequence of str
         Outputs of the source's alignment to record.
+    correction_outputs : sequence of str
+        Outputs of the filters that are recorded after each fix, and as they would be without it.
     order : Order
         Who steps first.
     progress : callable
@@ -382,7 +404,11 @@ def simulate(
     fixes = [
         Table(Port(sink.instance, [n for n in fix_outputs if n in sink.outputs]), steps) for sink in sinks
     ]
-    recorded_at, fixes_at = [float(times[0])], []
+    without, after = (
+        [Table(Port(sink.instance, correction_outputs), steps) for sink in sinks if correction_outputs]
+        for _ in range(2)
+    )
+    recorded_at, fixes_at, corrected_at = [float(times[0])], [], []
     for table in (*([truth] if truth else []), *after_step):
         table.append()
 
@@ -396,10 +422,19 @@ def simulate(
         step = end - time
         if not late:
             source.advance(time, step)
+        is_fix = integers[counter] != fix_count
+        if is_fix and correction_outputs:
+            fix_count, integers[counter] = integers[counter], fix_count
+            for sink, table in zip(sinks, without, strict=True):
+                sink.receive()
+                with sink.instance.undone():
+                    sink.advance(time, step)
+                    table.append()
+            integers[counter] = fix_count
+            corrected_at.append(end)
         for sink in sinks:
             sink.receive()
         until_row -= 1
-        is_fix = integers[counter] != fix_count
         if is_fix:
             fix_count = integers[counter]
             fixes_at.append(float(reals[fix_time]))
@@ -412,7 +447,7 @@ def simulate(
         for sink in sinks:
             sink.advance(time, step)
         if is_fix:
-            for table in fixes:
+            for table in (*fixes, *after):
                 table.append()
         if until_row == 0:
             until_row = record_every
@@ -426,4 +461,8 @@ def simulate(
         [table.columns() for table in filters],
         [table.columns() for table in fixes],
         alignment.columns() if alignment else None,
+        [
+            Corrections(np.array(corrected_at), before.columns(), behind.columns())
+            for before, behind in zip(without, after, strict=True)
+        ],
     )

@@ -9,7 +9,8 @@ from __future__ import annotations
 import ctypes
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -120,6 +121,17 @@ class Instance:
             self._slave.setFMUState(restored)
         finally:
             self._slave.freeFMUState(restored)
+
+    @contextmanager
+    def undone(self) -> Iterator[None]:
+        """What the instance does and says meanwhile is as if it had not been."""
+        said, state = len(self.messages), self._slave.getFMUState()
+        try:
+            yield
+        finally:
+            self._slave.setFMUState(state)
+            self._slave.freeFMUState(state)
+            del self.messages[said:]
 
     def close(self) -> None:
         """Terminate and free the instance."""

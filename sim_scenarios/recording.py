@@ -96,7 +96,7 @@ def dataset(
     )
     if recorded.truth is not None and plant is not None:
         result = result.assign(_arrays(recorded.truth, plant, "time"))
-        result = result.assign({**_attitude_errors(result), **_position_and_velocity_errors(result)})
+        result = result.assign(errors(result))
     if recorded.alignment is not None and alignment is not None:
         outputs = _arrays(recorded.alignment, alignment, "time")
         result = result.assign({f"{ALIGNMENT}{name}": values for name, values in outputs.items()})
@@ -166,8 +166,14 @@ def _handed_over(data: xr.Dataset) -> xr.Dataset:
     return rows
 
 
+def errors(data: xr.Dataset) -> dict[str, Entry]:
+    """Errors against the truth, of one filter or of several, by their names `ERRORS`."""
+    return {**_attitude_errors(data), **_position_and_velocity_errors(data)}
+
+
 def _attitude_errors(data: xr.Dataset) -> dict[str, Entry]:
     """Errors of attitude and heading against the truth."""
+    dimensions = tuple(str(name) for name in data["nav.heading"].dims)
     estimated, true = (
         attitude.dcm(*(_of_frame(data, frame, angle) for angle in ("roll", "pitch", "heading")))
         for frame in ("nav", "truth")
@@ -176,12 +182,12 @@ def _attitude_errors(data: xr.Dataset) -> dict[str, Entry]:
     heading = attitude.wrap(_of_frame(data, "nav", "heading") - data["truth.heading"].values)
     return {
         "attitude_error": (
-            ("filter", "time", "axis3"),
+            (*dimensions, "axis3"),
             phi,
             {"units": "rad", "description": "Misalignment of the estimated attitude (phi_e, phi_n, phi_u)"},
         ),
         "heading_error": (
-            ("filter", "time"),
+            dimensions,
             heading,
             {"units": "rad", "description": "Estimated minus true heading"},
         ),
@@ -195,7 +201,7 @@ def _position_and_velocity_errors(data: xr.Dataset) -> dict[str, Entry]:
         for frame in ("nav", "truth")
     )
     velocity = _of_frame(data, "nav", "velocity") - data["truth.velocity"].values
-    dimensions, meaning = ("filter", "time", "axis3"), "Estimated minus true"
+    dimensions, meaning = (*map(str, data["nav.heading"].dims), "axis3"), "Estimated minus true"
     return {
         "position_error": (
             dimensions,
@@ -216,7 +222,7 @@ def _of_frame(data: xr.Dataset, frame: str, name: str) -> NDArray[np.float64]:
     if f"{frame}.{name}" in data:
         values: NDArray[np.float64] = data[f"{frame}.{name}"].values
         return values
-    return np.full((data.sizes["filter"], *truth.shape), np.nan)
+    return np.full((*data["nav.heading"].shape[:-1], *truth.shape), np.nan)
 
 
 def of_filter(data: xr.Dataset, label: str) -> xr.Dataset:

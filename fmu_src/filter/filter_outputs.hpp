@@ -24,6 +24,24 @@ inline double heading_sigma(const Eigen::Matrix3d& attitude_covariance, const Ei
     return std::min(std::sqrt(std::max(variance, 0.0)), kAny);
 }
 
+// Of the position with what is handed over (hand_over.hpp) and, behind that, with itself; zero with what the
+// model lacks.
+template <class Where, int N>
+Eigen::Matrix<double, 3, kHandedStates + 3> position_covariance(const Matrix<N>& P) {
+    constexpr auto states = handed_states<Where>();
+    const auto rows = P.template middleRows<3>(Where::position.first);
+    Eigen::Matrix<double, 3, kHandedStates + 3> covariance;
+    for (int j = 0; j < kHandedStates; ++j) {
+        if (states[j] < 0) {
+            covariance.col(j).setZero();
+        } else {
+            covariance.col(j) = rows.col(states[j]);
+        }
+    }
+    covariance.template rightCols<3>() = rows.template middleCols<3>(Where::position.first);
+    return covariance;
+}
+
 // The navigation state and what is known of it.
 template <class Outputs, class Engine, class Parameters>
 void publish_estimate(Outputs& outputs, const Engine& engine, double time, const Parameters& p) {
@@ -56,6 +74,9 @@ void publish_estimate(Outputs& outputs, const Engine& engine, double time, const
         outputs.position_sigma = components(sigma, Where::position);
     }
     outputs.covariance = handed_covariance<Where>(covariance, p);
+    if constexpr (requires { outputs.position_covariance; }) {
+        outputs.position_covariance = position_covariance<Where>(covariance);
+    }
     if constexpr (requires { engine.adapter.publish(outputs, engine.estimator.state, sigma); }) {
         engine.adapter.publish(outputs, engine.estimator.state, sigma);
     }

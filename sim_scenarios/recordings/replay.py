@@ -26,7 +26,7 @@ from sim_scenarios.cosimulation import (
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, Fmu, Fmus, Number, no_such_parameter
 from sim_scenarios.instance import Instance
-from sim_scenarios.recordings import checks, fixes
+from sim_scenarios.recordings import checks, fixes, smoothing
 from sim_scenarios.recordings import reference as references
 from sim_scenarios.recordings.description import load
 from sim_scenarios.recordings.feed import Feed, feed
@@ -80,6 +80,7 @@ def replay(
     outages: Outages | None = None,
     reference: str | Path | None = None,
     evaluate_after: float | None = None,
+    smooth: bool = False,
     set: Mapping[str, object] | None = None,  # noqa: A002
     progress: Progress = lambda _: None,
     fmus: Fmus | None = None,
@@ -103,6 +104,8 @@ def replay(
         File with a reference in the place of the recording's own.
     evaluate_after : float, optional
         Seconds after the start from which on the result is judged; by default 60, or half of what there is.
+    smooth : bool
+        Smooth the navigation too.
     set : mapping, optional
         Parameters by name, in SI units or with a unit. Of an alignment before navigation, those of
         AlignmentFilter begin with `alignment.`, those of NavigationFilter with `filter.`; without either they
@@ -119,7 +122,8 @@ def replay(
     xarray.Dataset
         As that of `sim_scenarios.run`. Besides, over the dimension `receiver` the fixes of the recording,
         over `outage` begin and end of the outages, and the `lever_arm` (axis3). A reference is the truth. The
-        attribute `epoch` is that of the recording, where its date is known.
+        attribute `epoch` is that of the recording, where its date is known. What is smoothed begins with
+        `smoothed.`; `smoothing.solution` puts it in the place of the filter's.
 
     Raises
     ------
@@ -137,6 +141,8 @@ def replay(
     begun = beginning(recording, start)
     parts = parts_of(task, fmus)
     values, without_coarse_stage = values_of(parts, recording, begun, set or {})
+    if smooth:
+        smoothing.check(parts["filter"], values["filter"], recording)
     if zero_velocity is None:
         recording = believed(recording, values)
     fed = feed(recording, begun.time)
@@ -153,7 +159,7 @@ def replay(
             f"evaluate_after = {evaluate_after:g} s: must be at least 0 and less than the {lasts:g} s that "
             f"{recording.name} lasts from the start on"
         )
-    data, said = _run(parts, values, fed, recording.reference, fmus, progress)
+    data, said = _run(parts, values, fed, recording.reference, smooth, fmus, progress)
     data = _with_receiver(data, recording.gnss, fed, windows)
     arm = [values["filter"].get(f"gnss.lever_arm[{i}]", 0.0) for i in (1, 2, 3)]
     data["lever_arm"] = ("axis3", np.array(arm, dtype=float), {"units": "m"})
@@ -279,6 +285,7 @@ def _run(
     values: Values,
     fed: Feed,
     truth: ReferenceTable | None,
+    smooth: bool,
     fmus: Fmus,
     progress: Progress,
 ) -> tuple[xr.Dataset, list[str]]:
@@ -305,11 +312,16 @@ def _run(
             record_every=max(1, round(RECORDING_PERIOD / float(np.median(np.diff(fed.time))))),
             fix_outputs=results.fix_outputs(fmu),
             alignment_outputs=results.ALIGNMENT_OUTPUTS if "alignment" in parts else (),
+            correction_outputs=smoothing.outputs(fmu) if smooth else (),
             progress=progress,
         )
         instances = (source.alignment, sink.instance)
         said = [str(message) for instance in instances if instance for message in instance.messages]
-    return _dataset(recorded, parts, truth, fmus), said
+    data = _dataset(recorded, parts, truth, fmus)
+    if smooth:
+        data, remarks = smoothing.smoothed(data, recorded.corrections[0], fmu, values["filter"])
+        said += remarks
+    return data, said
 
 
 def _dataset(
