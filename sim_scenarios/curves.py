@@ -21,6 +21,7 @@ from sim_scenarios.metrics.statistics import is_measured
 from sim_scenarios.plots.navigation import magnitudes
 from sim_scenarios.plots.states import panels
 from sim_scenarios.recordings import track
+from sim_scenarios.recordings.smoothing import is_smoothed, solution
 from sim_scenarios.units import ARCMIN, DEGREE
 
 Array = NDArray[np.float64]
@@ -166,9 +167,17 @@ def _heading_error(run: xr.Dataset, points: int) -> Panel:
 
 def _heading(run: xr.Dataset, points: int) -> Panel:
     thin = _every(run.sizes["time"], points)
-    reach = 3 * run["heading_sigma"].values[thin] / DEGREE
-    curve = _curve("heading", numbers(run["time"].values[thin]), _continuous(run)[thin], reach)
-    return _settling("heading, with 3 sigma", "deg", [curve])
+    time = numbers(run["time"].values[thin])
+    curves = [
+        _curve(name, time, _continuous(one)[thin], 3 * one["heading_sigma"].values[thin] / DEGREE)
+        for name, one in _ways(run, "heading").items()
+    ]
+    return _settling("heading, with 3 sigma", "deg", curves)
+
+
+def _ways(run: xr.Dataset, name: str) -> dict[str, xr.Dataset]:
+    """A run by the name of its curve, and its smoothed navigation if it has one."""
+    return {name: run, **({"smoothed": solution(run)} if is_smoothed(run) else {})}
 
 
 def _continuous(run: xr.Dataset) -> Array:
@@ -182,11 +191,15 @@ def _states(run: xr.Dataset, points: int) -> Iterator[Panel]:
     known = "attitude_error" in run
     thin = _every(run.sizes["time"], points)
     time = numbers(run["time"].values[thin])
-    for title, values, sigma in panels(run, known):
+    shown: dict[str, list[dict[str, Any]]] = {}
+    for way, one in _ways(run, "").items():
+        for title, values, sigma in panels(one, known):
+            each, reach = values[thin], 3 * sigma[thin]
+            curve = _curve(way or title.partition(" [")[0], time, each)
+            shown.setdefault(title, []).append(curve | _band(np.zeros_like(each) if known else each, reach))
+    for title, curves in shown.items():
         name, _, unit = title.rstrip("]").partition(" [")
-        shown, reach = values[thin], 3 * sigma[thin]
-        curve = _curve(name, time, shown) | _band(np.zeros_like(shown) if known else shown, reach)
-        yield _settling(f"{name}: {'error' if known else 'estimate'} with 3 sigma", unit, [curve])
+        yield _settling(f"{name}: {'error' if known else 'estimate'} with 3 sigma", unit, curves)
 
 
 def _nis(run: xr.Dataset, points: int) -> Iterator[Panel]:
@@ -205,7 +218,7 @@ def _track(run: xr.Dataset, points: int) -> Iterator[Panel]:
     going = run.isel(time=run["time"].values >= track.navigates_from(run))
     if going.sizes["time"] == 0:
         return
-    places = {"filter": track.positions(going)}
+    places = {name: track.positions(way) for name, way in _ways(going, "filter").items()}
     if "receiver.position" in run:
         fixes = run["receiver.position"].values
         places["fixes"] = fixes[np.isfinite(fixes).all(axis=1)]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -30,7 +30,7 @@ from sim_scenarios.plots import track as pictures_of_track
 from sim_scenarios.plots.states import states
 from sim_scenarios.plots.style import png
 from sim_scenarios.recording import ERRORS, HAND_OVER, of_filter, under_way
-from sim_scenarios.recordings import comparison, outages, side_by_side, track
+from sim_scenarios.recordings import comparison, outages, side_by_side, smoothing, track
 from sim_scenarios.units import ARCMIN, DEGREE
 
 Array = NDArray[np.float64]
@@ -156,6 +156,8 @@ class Page:
         Headline figures: label -> value with unit.
     table : list of list of str
         Rows of a comparison, the first is the heading; empty for none.
+    smoothed : list of list of str
+        Rows of a replay and of its smoothed navigation, the first is the heading; empty for none.
     curves : list of dict
         Panels of `curves` that a reader can zoom into; empty for none.
     """
@@ -166,6 +168,7 @@ class Page:
     figures: Mapping[str, str]
     table: list[list[str]]
     curves: list[curves.Panel] = field(default_factory=list)
+    smoothed: list[list[str]] = field(default_factory=list)
 
 
 def report_run(run: xr.Dataset, folder: Path) -> Path:
@@ -197,23 +200,31 @@ def report_bound(data: xr.Dataset, folder: Path) -> Path:
 
 def report_replay(run: xr.Dataset, folder: Path) -> Path:
     """Report of a recording of `sim_scenarios.replay`; returns the path of the page."""
-    ends = outages.ends(run)
+    ends, both = outages.ends(run), filtered_and_smoothed(run)
+    smoothed_ends = outages.ends(both["smoothed"]) if both else None
     page = Page(
         Path(run.attrs["recording"]).name,
         replay_sentence(run),
         replay_converged(run),
         {**heading_at_end(run), **replay_figures(run)},
-        outages.table(ends) if ends else heading_table(run),
+        outages.table(ends, smoothed_ends) if ends else heading_table(run),
         curves.of_replay(under_way(run)),
+        side_by_side.table(both) if both else [],
     )
-    return _write(run, [*REPLAY, *_of_recording(run, ends)], page, folder)
+    return _write(run, [*REPLAY, *_of_recording(run, ends), *_of_smoothed(both)], page, folder)
+
+
+def filtered_and_smoothed(run: xr.Dataset) -> dict[str, xr.Dataset]:
+    """A replay and its smoothed navigation, by what they are; nothing where it is not smoothed."""
+    return {"filter": run, "smoothed": smoothing.solution(run)} if smoothing.is_smoothed(run) else {}
 
 
 def report_replays(runs: Mapping[str, xr.Dataset], folder: Path) -> Path:
     """Report of several filters on a recording (`recordings.side_by_side`); returns the path of the page."""
-    about = side_by_side.together(runs)
+    about, sentence = side_by_side.together(runs), replays_sentence(runs)
+    runs = smoothing.beside(runs)
     title = Path(about.attrs["recording"]).name
-    page = Page(title, replays_sentence(runs), None, {}, side_by_side.table(runs), curves.of_replays(runs))
+    page = Page(title, sentence, None, {}, side_by_side.table(runs), curves.of_replays(runs))
     return _write(about, list(_of_replays(runs)), page, folder)
 
 
@@ -238,6 +249,14 @@ def _of_replays(runs: Mapping[str, xr.Dataset]) -> Iterator[Drawing]:
     if any(outages.ends(run) for run in runs.values()):
         caption = "Antenna of each filter minus the last fix of each outage."
         yield drawing("outages", caption, pictures_side_by_side.outage_ends)
+
+
+def _of_smoothed(both: Mapping[str, xr.Dataset]) -> Iterator[Drawing]:
+    """Pictures of a replay beside its smoothed navigation."""
+    for drawing in _of_replays(both) if both else ():
+        if drawing.name != "fixes":  # of which a smoothed navigation is off from none
+            caption = f"Filtered and smoothed. {drawing.caption}"
+            yield replace(drawing, name=f"smoothed_{drawing.name}", caption=caption)
 
 
 def replay_figures(run: xr.Dataset) -> dict[str, str]:

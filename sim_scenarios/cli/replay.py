@@ -39,7 +39,7 @@ from sim_scenarios.matrix import combinations
 from sim_scenarios.metrics.status import status_at_end
 from sim_scenarios.names import file_name, file_names
 from sim_scenarios.recording import save
-from sim_scenarios.recordings import comparison, outages, side_by_side
+from sim_scenarios.recordings import comparison, outages, side_by_side, smoothing
 from sim_scenarios.recordings.exports import Format, check, export
 from sim_scenarios.recordings.outages import Outages
 from sim_scenarios.recordings.replay import Filter, replay
@@ -90,6 +90,14 @@ def replay_recording(
             show_default=False,
         ),
     ] = None,
+    smooth: Annotated[
+        bool,
+        typer.Option(
+            "--smooth",
+            help="Smooth the navigation too, by all fixes, those that come later included. It stands beside "
+            "the filter's, and is what --export writes.",
+        ),
+    ] = False,
     export_: Annotated[
         list[Format] | None,
         typer.Option(
@@ -138,6 +146,7 @@ def replay_recording(
             --set process.angle_random_walk="0.001 deg/h^0.5"
         truenorth replay recording.toml --filter navigation --start course --outages 60 --every 180
         truenorth replay recording.toml --filter align_then_navigate --export kml
+        truenorth replay recording.toml --filter navigation --start course --smooth --outages 60
         truenorth replay recording.toml --filter navigation --start course --outages 60 \
             --axis error_model=loose,full_state --axis corrector=standard,igg
 
@@ -157,6 +166,7 @@ def replay_recording(
             "outages": None if outages_ is None else Outages(outages_, every),
             "reference": reference,
             "evaluate_after": evaluate_after,
+            "smooth": smooth,
             "set": settings(set_, set_from),
         }
         name = file_name(f"replay-{file.name.split('.')[0]}")
@@ -171,13 +181,14 @@ def replay_recording(
 
         def written(data: xr.Dataset, folder: Path) -> Path:
             for form in export_ or []:
-                export(data, folder / f"track.{form.value}")
+                export(smoothing.solution(data) if smooth else data, folder / f"track.{form.value}")
             return report.report_replay(data, folder)
 
         files = results.write(run, written, name)
     converged = report.replay_converged(run)
     headings = report.heading_table(run)
-    ends = outages.ends(run)
+    ends, both = outages.ends(run), report.filtered_and_smoothed(run)
+    smoothed_ends = outages.ends(both["smoothed"]) if both else None
     if as_json:
         keys = ("time_s", "heading_deg", "sigma_deg")
         rows = [dict(zip(keys, map(float, row), strict=False)) for row in headings[1:]]
@@ -187,7 +198,9 @@ def replay_recording(
         say_messages(run)
         print_table(headings)
         if ends:
-            print_table(outages.table(ends))
+            print_table(outages.table(ends, smoothed_ends))
+        if both:
+            print_table(side_by_side.table(both))
         print_verdict(report.replay_sentence(run), converged)
         print_pairs({**report.heading_at_end(run), **report.replay_figures(run), "Report": files["report"]})
     raise typer.Exit(0 if converged else 1)
@@ -223,7 +236,7 @@ def _side_by_side(
         print_json({"recording": str(file), "filters": told, "report": page})
     else:
         say_messages(side_by_side.together(runs))
-        print_table(side_by_side.table(runs))
+        print_table(side_by_side.table(smoothing.beside(runs)))
         print_verdict(report.replays_sentence(runs), all(converged.values()))
         print_pairs({"Report": page})
     return all(converged.values())
@@ -232,10 +245,12 @@ def _side_by_side(
 def _figures(run: xr.Dataset) -> dict[str, Any]:
     """What the result was worth, for machines."""
     referred, ends = comparison.against_reference(run), outages.ends(run)
+    smoothed = _figures(smoothing.solution(run)) if smoothing.is_smoothed(run) else None
     return {
         "against_fixes": comparison.against_fixes(run).figures(),
         **({} if referred is None else {"against_reference": referred.figures()}),
         **({"outages": outages.figures(ends)} if ends else {}),
+        **({} if smoothed is None else {"smoothed": smoothed}),
     }
 
 

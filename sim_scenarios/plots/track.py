@@ -7,9 +7,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from sim_scenarios.earth import displacement
-from sim_scenarios.plots.style import BLUE, GREEN, INK, ORANGE, figure
+from sim_scenarios.plots.style import BLUE, GREEN, INK, ORANGE, PURPLE, figure
 from sim_scenarios.recordings.comparison import MOVING, heading_minus_course
 from sim_scenarios.recordings.outages import End
+from sim_scenarios.recordings.smoothing import is_smoothed, solution
 from sim_scenarios.recordings.track import navigates_from, positions
 from sim_scenarios.units import DEGREE
 
@@ -28,6 +29,13 @@ def track(run: xr.Dataset) -> Figure:
                 axes.plot(east, north, ".", ms=4, color=colour, alpha=0.6, label=label)
         east, north, _ = displacement(positions(going), origin).T
         axes.plot(east, north, color=BLUE, lw=1.2, label="filter")
+        if is_smoothed(run):
+            axes.plot(
+                *displacement(positions(solution(going)), origin).T[:2],
+                color=PURPLE,
+                lw=1.2,
+                label="smoothed",
+            )
         if len(east):
             axes.plot(east[:1], north[:1], "o", color=GREEN, ms=8, label="start")
         axes.set_aspect("equal", adjustable="datalim")

@@ -2,6 +2,7 @@
 
 Each period of `every` seconds ends with an outage of `length` seconds, whose fixes the filter does not get.
 They are the truth of the test: at the last of them the filter has navigated without for the whole outage.
+A smoother knows what came after it, and is off most somewhere in its middle.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class Outages:
 
 @dataclass(frozen=True)
 class End:
-    """Error at the end of an outage.
+    """Error at the end of an outage, and the largest within it.
 
     Attributes
     ----------
@@ -65,6 +66,8 @@ class End:
         Antenna of the filter minus fix [m].
     sigma : float
         Horizontal, of the position of the filter, both components together [m].
+    largest : float
+        Horizontal, at whichever of the fixes that were withheld [m].
     converged : bool
         Whether the filter reported convergence then.
     """
@@ -75,6 +78,7 @@ class End:
     horizontal: float
     vertical: float
     sigma: float
+    largest: float
     converged: bool
 
 
@@ -98,34 +102,42 @@ def ends(run: xr.Dataset) -> list[End]:
         rows = np.flatnonzero(placed & (time >= begin) & (time < end))
         if len(rows) == 0 or begin < earliest:
             continue
-        fix = rows[-1:]
-        east, north, up = track.antenna_minus(run, time[fix], position[fix])[0]
-        row = int(np.searchsorted(run["time"].values, time[fix[0]], side="right")) - 1
+        off = track.antenna_minus(run, time[rows], position[rows])
+        horizontal = np.hypot(off[:, 0], off[:, 1])
+        last = float(time[rows[-1]])
+        row = int(np.searchsorted(run["time"].values, last, side="right")) - 1
         sigma = run["position_sigma"].values[row]
         found.append(
             End(
                 begin=begin,
                 end=end,
-                time=float(time[fix[0]]),
-                horizontal=float(np.hypot(east, north)),
-                vertical=float(abs(up)),
+                time=last,
+                horizontal=float(horizontal[-1]),
+                vertical=float(abs(off[-1, 2])),
                 sigma=float(np.hypot(*sigma[:2])),
+                largest=float(horizontal.max()),
                 converged=bool(run["converged"].values[row]),
             )
         )
     return found
 
 
-def table(found: list[End]) -> list[list[str]]:
-    """Rows of the errors, the heading first, their root mean squares last."""
+def table(found: list[End], smoothed: list[End] | None = None) -> list[list[str]]:
+    """Rows of the errors, the heading first, their root mean squares last; with those of a smoothed track."""
+    columns = {
+        "horizontal [m]": [end.horizontal for end in found],
+        "vertical [m]": [end.vertical for end in found],
+        "1 sigma [m]": [end.sigma for end in found],
+    }
+    if smoothed:
+        columns["largest [m]"] = [end.largest for end in found]
+        columns["largest, smoothed [m]"] = [end.largest for end in smoothed]
     rows = [
-        [f"{e.begin:.10g}", f"{e.end:.10g}", f"{e.horizontal:.2f}", f"{e.vertical:.2f}", f"{e.sigma:.2f}"]
-        for e in found
+        [f"{end.begin:.10g}", f"{end.end:.10g}", *(f"{values[i]:.2f}" for values in columns.values())]
+        for i, end in enumerate(found)
     ]
-    heading = ["outage from [s]", "to [s]", "horizontal [m]", "vertical [m]", "1 sigma [m]"]
-    columns = zip(*((e.horizontal, e.vertical, e.sigma) for e in found), strict=True)
-    means = [f"{rms(np.array(column)):.2f}" for column in columns]
-    return [heading, *rows, ["RMS", "", *means]]
+    means = [f"{rms(np.array(values)):.2f}" for values in columns.values()]
+    return [["outage from [s]", "to [s]", *columns], *rows, ["RMS", "", *means]]
 
 
 def figures(found: list[End]) -> dict[str, object]:
@@ -133,6 +145,7 @@ def figures(found: list[End]) -> dict[str, object]:
     return {
         "horizontal_rms_m": rms(np.array([e.horizontal for e in found])) if found else None,
         "vertical_rms_m": rms(np.array([e.vertical for e in found])) if found else None,
+        "largest_m": max((e.largest for e in found), default=None),
         "each": [
             {
                 "begin_s": e.begin,
@@ -140,6 +153,7 @@ def figures(found: list[End]) -> dict[str, object]:
                 "horizontal_m": e.horizontal,
                 "vertical_m": e.vertical,
                 "sigma_m": e.sigma,
+                "largest_m": e.largest,
                 "converged": e.converged,
             }
             for e in found

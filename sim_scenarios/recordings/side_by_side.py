@@ -7,11 +7,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from sim_scenarios.cosimulation import Progress, part_of
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.metrics.statistics import rms
 from sim_scenarios.metrics.status import status_at_end
 from sim_scenarios.metrics.verdict import cell
 from sim_scenarios.recordings import comparison, outages
@@ -95,7 +97,7 @@ def together(runs: Mapping[str, xr.Dataset]) -> xr.Dataset:
 def _row(run: xr.Dataset) -> dict[str, str]:
     """Figures of one filter, all of them in every row."""
     fixes, referred = comparison.against_fixes(run), comparison.against_reference(run)
-    at_ends = outages.figures(outages.ends(run))["horizontal_rms_m"]
+    in_outages = outages.figures(outages.ends(run))
     used = run["fix_used"].values
     of_reference = {
         "horiz.\n[m]": ("horizontal", 1.0),
@@ -113,10 +115,25 @@ def _row(run: xr.Dataset) -> dict[str, str]:
             title: "-" if referred is None else cell(getattr(referred, name) / unit, 3)
             for title, (name, unit) in of_reference.items()
         },
+        "1 sigma,\nhoriz. [m]": cell(_horizontal_sigma(run), 3),
         "before fix,\nhoriz. [m]": cell(fixes.horizontal, 3),
         "vert.\nof it [m]": cell(fixes.vertical, 3),
         "st. dev. of head.\n- course [deg]": cell(fixes.heading_deviation / DEGREE, 2),
         "> 3 sigma\nwhile sure": f"{fixes.wrongly} / {fixes.sure}" if fixes.sure else "-",
-        "ends of\noutages [m]": "-" if at_ends is None else f"{at_ends:.2f}",
+        **{
+            title: "-" if in_outages[name] is None else f"{in_outages[name]:.2f}"
+            for title, name in (
+                ("ends of\noutages [m]", "horizontal_rms_m"),
+                ("largest\nin them [m]", "largest_m"),
+            )
+        },
         "fixes\nnot used": f"{int((~used).sum())} / {len(used)}" if len(used) else "-",
     }
+
+
+def _horizontal_sigma(run: xr.Dataset) -> float:
+    """Of the position, both components together, RMS since the evaluation starts [m]; NaN without any."""
+    part = comparison.evaluated(run)
+    if "position_sigma" not in part or part.sizes["time"] == 0:
+        return np.nan
+    return rms(np.linalg.norm(part["position_sigma"].values[:, :2], axis=1))

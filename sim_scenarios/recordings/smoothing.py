@@ -187,7 +187,7 @@ def solution(run: xr.Dataset) -> xr.Dataset:
     return found
 
 
-def side_by_side(runs: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+def beside(runs: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
     """Replays by label, behind each its smoothed navigation if it has one."""
     found = {}
     for label, run in runs.items():
@@ -247,11 +247,11 @@ def _severed(time: Array, forward: Forward) -> tuple[NDArray[np.bool_], list[str
     predicted, filtered = (
         np.sqrt(np.diagonal(P, axis1=1, axis2=2)) for P in (forward.predicted, forward.filtered)
     )
-    lost: NDArray[np.bool_] = (np.maximum(filtered[:-1], predicted[1:])[:, ATTITUDE] > WIDE).any(axis=1)
+    lost = (np.maximum(filtered[:-1], predicted[1:])[:, ATTITUDE] > WIDE).any(axis=1)
     against = (np.abs(forward.correction[1:]) > BEYOND * predicted[1:]) | (
         filtered[1:] > GROWN * predicted[1:]
     )
-    contradicted: NDArray[np.bool_] = against.any(axis=1) & ~lost
+    contradicted = against.any(axis=1) & ~lost
     said = []
     if lost.any():
         said.append(

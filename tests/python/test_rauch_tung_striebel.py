@@ -118,5 +118,7 @@ def test_nothing_comes_over_what_is_severed(system: System) -> None:
     best, spread = all_at_once(system, 30)
     size = np.sqrt(np.diagonal(spread, axis1=1, axis2=2))
     np.testing.assert_allclose((estimate + deviation)[:30] / size, best / size, atol=1e-9)
-    np.testing.assert_allclose(covariance[:30] / size[..., None] ** 2, spread / size[..., None] ** 2, atol=1e-9)
+    np.testing.assert_allclose(
+        covariance[:30] / size[..., None] ** 2, spread / size[..., None] ** 2, atol=1e-9
+    )
     np.testing.assert_array_equal(deviation[30:], smooth(forward)[0][30:])
