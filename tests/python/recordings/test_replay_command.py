@@ -75,6 +75,36 @@ def test_what_machines_are_told(navigated: tuple[Path, Result]) -> None:
     assert "against_reference" not in content
 
 
+def test_a_smoothed_navigation_stands_beside_the_filters(ship: Path, tmp_path: Path) -> None:
+    options = ["--filter", "navigation", "--heading", 4, "--outages", 10, "--every", 40]
+    told = truenorth("replay", ship, *options, "--smooth", "--export", "csv", "-o", tmp_path / "out")
+    assert told.exit_code in (0, 1), told.output
+    assert "largest, smoothed [m]" in told.stdout
+    data = recording.load(tmp_path / "out" / "recording.nc")
+    table = pd.read_csv(tmp_path / "out" / "track.csv")
+    np.testing.assert_allclose(table["heading_deg"] * DEGREE, data["smoothed.nav.heading"], rtol=1e-14)
+    np.testing.assert_allclose(
+        table["position_sigma_up_m"], data["smoothed.position_sigma"][:, 2], rtol=1e-14
+    )
+    assert not np.array_equal(data["smoothed.nav.heading"], data["nav.heading"])
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "<h2>Filtered and smoothed</h2>" in page
+    for name in ("smoothed_heading", "smoothed_outages", "track"):
+        assert f'<figure id="{name}">' in page
+    assert "smoothed_fixes" not in page
+
+    told = truenorth("replay", ship, *options, "--smooth", "-o", tmp_path / "out", "--json")
+    content = json.loads(told.stdout)
+    both = [content["outages"], content["smoothed"]["outages"]]
+    assert [len(one["each"]) for one in both] == [2, 2]
+    assert both[0]["largest_m"] == max(each["largest_m"] for each in both[0]["each"])
+    assert content["smoothed"]["against_fixes"]["fixes"] == 0
+
+    axis = ["--axis", "predictor=linearised,unscented"]
+    told = truenorth("replay", ship, *options, "--smooth", *axis, "-o", tmp_path / "axis")
+    assert "unscented, smoothed" in told.stdout, told.output
+
+
 def test_the_report_shows_track_course_and_outages(navigated: tuple[Path, Result]) -> None:
     folder, _ = navigated
     page = (folder / "report.html").read_text(encoding="utf-8")
@@ -197,6 +227,11 @@ def test_an_alignment_before_navigation(ship: Path, tmp_path: Path) -> None:
         ),
         (["--heading", 5, "--outages", 10, "--every", 500], "the recording must be at least that long"),
         (["--heading", 5, "--position", "1,2"], "LATITUDE,LONGITUDE,HEIGHT"),
+        (["--heading", 5, "--smooth"], "smoothing: AlignmentFilter does not navigate"),
+        (
+            ["--filter", "navigation", "--heading", 5, "--smooth", "--set", "error_model=full_state"],
+            "error_model = full_state: cannot be smoothed",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused(

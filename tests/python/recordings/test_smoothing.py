@@ -78,6 +78,20 @@ def test_the_filter_does_what_it_does_without(fmus: Fmus, flight: Recording, run
     assert alone.identical(run.drop_vars([name for name in run if str(name).startswith(smoothing.PREFIX)]))
 
 
+def test_the_covariances_of_the_filter_are_one(run: xr.Dataset) -> None:
+    """That of the position, with that of the other states, is one matrix with no negative eigenvalue."""
+    rest, of_position = run["covariance"].values, run["position_covariance"].values
+    whole = np.block([[rest, np.swapaxes(of_position[:, :, :12], 1, 2)], [of_position]])
+    np.testing.assert_allclose(
+        np.diagonal(whole, axis1=1, axis2=2)[:, 12:], run["position_sigma"].values ** 2
+    )
+    size = np.sqrt(np.diagonal(whole, axis1=1, axis2=2))
+    correlation = whole / (size[:, :, None] * size[:, None])
+    np.testing.assert_allclose(correlation, np.swapaxes(correlation, 1, 2), atol=1e-12)
+    assert np.linalg.eigvalsh(correlation).min() > -1e-9
+    assert np.abs(correlation[1:, 12, :12]).max() > 0.5
+
+
 def test_it_is_surer_than_the_filter_everywhere(run: xr.Dataset, best: xr.Dataset) -> None:
     for name in ("misalignment", "velocity", "position", "gyro_bias", "accelerometer_bias"):
         assert (best[f"{name}_sigma"].values <= run[f"{name}_sigma"].values * (1 + 1e-9)).all(), name
