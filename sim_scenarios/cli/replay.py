@@ -180,8 +180,9 @@ def replay_recording(
             run = replay(file, **conditions, progress=advance)
 
         def written(data: xr.Dataset, folder: Path) -> Path:
+            best = smoothing.solution(data) if smoothing.is_smoothed(data) else data
             for form in export_ or []:
-                export(smoothing.solution(data) if smooth else data, folder / f"track.{form.value}")
+                export(best, folder / f"track.{form.value}")
             return report.report_replay(data, folder)
 
         files = results.write(run, written, name)

@@ -14,7 +14,7 @@ filter on its way back, or a corrector that takes its prediction for wrong.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 import numpy as np
@@ -56,6 +56,9 @@ UNFIT: Final = ("h_infinity",)
 """Correctors whose covariance is that of no estimate."""
 STATES: Final = 15
 _TOLD: Final = 5
+"""Instants that a message names."""
+_AT_ONCE: Final = 5000
+"""Intervals whose matrices are made together; those of hours would fill the memory several times over."""
 PREFIX: Final = "smoothed."
 """Beginning of the names of smoothed outputs in a data set."""
 
@@ -142,13 +145,13 @@ def smoothed(
     periodic = going & ~np.isin(rows, corrections.time[fixed])
     time = np.concatenate((rows[periodic], corrections.time[fixed]))
     order = np.argsort(time)
-    of_rows = {name: data[name].values[periodic] for name in (*_ESTIMATE, *_COVARIANCES)}
 
-    def of_all(columns: Columns) -> dict[str, Array]:
-        arrays = {name: _array(columns, fmu, name)[fixed] for name in of_rows}
-        return {name: np.concatenate((of_rows[name], arrays[name]))[order] for name in of_rows}
+    def of_all(columns: Columns, names: Iterable[str]) -> dict[str, Array]:
+        parts = {name: (data[name].values[periodic], _array(columns, fmu, name)[fixed]) for name in names}
+        return {name: np.concatenate(both)[order] for name, both in parts.items()}
 
-    before, after = of_all(corrections.without), of_all(corrections.after)
+    before = of_all(corrections.without, _ESTIMATE)
+    after = of_all(corrections.after, (*_ESTIMATE, *_COVARIANCES))
     time, with_fix = time[order], np.repeat((False, True), (periodic.sum(), fixed.sum()))[order]
     forward = _forward(time, before, after, with_fix, _densities(fmu, values))
     severed, said = _severed(time, forward)
@@ -225,13 +228,16 @@ def _forward(
     density: Array,
 ) -> Forward:
     """What the filter did; its covariance between two fixes is carried on from that of the first."""
-    transition, noise = discretised(_trajectory(time, after)[:-1], _trajectory(time, before)[1:], density)
+    begin, end = _trajectory(time, after)[:-1], _trajectory(time, before)[1:]
     filtered = _whole(after)
-    predicted = filtered.copy()
-    for k, (F, Q) in enumerate(zip(transition, noise, strict=True), start=1):
-        predicted[k] = F @ filtered[k - 1] @ F.T + Q
-        if not with_fix[k]:
-            filtered[k] = predicted[k]
+    predicted, transition = filtered.copy(), np.empty_like(filtered[1:])
+    for first in range(0, len(transition), _AT_ONCE):
+        part = slice(first, first + _AT_ONCE)
+        transition[part], noise = discretised(begin[part], end[part], density)
+        for k, Q in enumerate(noise, start=first):
+            predicted[k + 1] = transition[k] @ filtered[k] @ transition[k].T + Q
+            if not with_fix[k + 1]:
+                filtered[k + 1] = predicted[k + 1]
     return Forward(transition, predicted, filtered, _difference(before, after))
 
 
