@@ -44,8 +44,9 @@ from sim_scenarios.units import DEGREE
 
 Array = NDArray[np.float64]
 
-WIDE: Final = 0.2
-"""Sigma of the attitude from which linear errors are not believed [rad]."""
+WIDE: Final = 0.35
+"""Sigma of the attitude from which linear errors are not believed [rad]: at 20 deg what is smoothed is
+consistent, at 40 deg it is not."""
 BEYOND: Final = 5.0
 """Sigmas of the prediction beyond which a correction contradicts it."""
 GROWN: Final = 1.1

@@ -140,7 +140,7 @@ def test_an_attitude_that_is_hardly_known_is_left_as_it_was(fmus: Fmus, flight: 
     )
     assert (best["heading_sigma"].values[known] <= run["heading_sigma"].values[known] * 1.01).all()
     (said,) = [text for text in json.loads(run.attrs["messages"]) if text.startswith("Smoothing")]
-    assert "not known to 11 deg" in said
+    assert "not known to 20 deg" in said
 
 
 def test_a_way_back_is_not_carried_back(fmus: Fmus, flight: Recording) -> None:
