@@ -161,7 +161,8 @@ def table_difference(result: NDArray[np.void], reference: NDArray[np.void]) -> f
 
 def test_fmpy_ssp(exported: Exported, reached: Record) -> None:
     system = exported.system
-    result = simulate_ssp(str(exported.ssp), stop_time=system.checked, step_size=system.step)
+    stop = system.checked - system.step / 2  # FMPy adds steps up, and 3000 of 0.1 s do not reach 300 s
+    result = simulate_ssp(str(exported.ssp), stop_time=stop, step_size=system.step)
     reference = exported.reference(system.filter.fmu.name)
     assert len(result) == round(system.checked / system.step)
     final = {n: result[f"filter.{n}"][-1] for n in reference.dtype.names if n != "time"}
