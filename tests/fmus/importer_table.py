@@ -79,8 +79,8 @@ For those who take an export into a tool of their own.
 
 Each importer was given the folder that `truenorth export SCENARIO` writes, unchanged and with nothing handed
 in from outside. A cell is the largest difference of the outputs from the reference results in the folder, of
-the largest value of each output; it may be 1e-9 at most; "equal" is none at all. FMPy's command line had the
-step of the folder (`--output-interval`) and each FMU's inputs from it; all else ran the connected system.
+the largest value of each output; it may be 1e-9 at most; "equal" is none at all. Command lines had each
+FMU's inputs from it, and FMPy's its step (`--output-interval`); all else ran the connected system.
 `recorded_ship` is a recording: 20 s of TruthPlant's signals in a CSV file, put out by Playback.
 `tests/fmus/test_importers.py` measures it; `tests/fmus/importer_table.py` writes the page from its figures.
 

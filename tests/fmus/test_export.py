@@ -12,6 +12,7 @@ from pathlib import Path
 import fmpy
 import pyssp_standard
 import pytest
+import vdmcheck
 from archives import FMUS
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
@@ -132,6 +133,12 @@ def test_the_fmus_stay_valid_and_carry_their_experiment(folder: Path, version: s
             assert float(experiment.get("stopTime")) == SHORT["duration"]
             for part in experiment:
                 assert content.read(f"{RESULTS}/{part.get('source')}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["TruthPlant", "AlignmentFilter", "NavigationFilter"])
+def test_vdmcheck_finds_nothing(aligned: tuple[System, Path], name: str) -> None:
+    assert vdmcheck.verdict(aligned[1] / "fmi2" / f"{name}.fmu") == vdmcheck.CLEAN
 
 
 def test_enumerations_have_the_names_of_their_items(folder: Path) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import fmpy
 import pytest
+import vdmcheck
 from calls import Fmu
 from fmpy.validation import validate_fmu
 from lxml import etree
@@ -34,6 +35,24 @@ def test_fmutool_finds_nothing(archive: Path) -> None:
     report = result.stdout + result.stderr
     assert "seems to be compliant with FMI-2.0" in report
     assert not re.search(r"error|warning", report.replace("No semantic error", ""), re.IGNORECASE), report
+
+
+@pytest.mark.slow
+def test_vdmcheck_finds_nothing(archive: Path) -> None:
+    assert vdmcheck.verdict(archive) == vdmcheck.CLEAN
+
+
+def test_vdmcheck_finds_what_the_schema_cannot(fmus: dict[str, Fmu], tmp_path: Path) -> None:
+    description = (fmus["Playback"].folder / "modelDescription.xml").read_text(encoding="utf-8")
+    wrong = tmp_path / "modelDescription.xml"
+    wrong.write_text(
+        description.replace(
+            'causality="output" variability="discrete"', 'causality="output" variability="fixed"', 1
+        ),
+        encoding="utf-8",
+    )
+    etree.XMLSchema(etree.parse(SCHEMA)).assertValid(etree.parse(wrong))
+    assert "variability" in vdmcheck.verdict(wrong)
 
 
 def test_schema(archive: Path) -> None:
