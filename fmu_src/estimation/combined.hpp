@@ -57,6 +57,8 @@ class Combined {
     int positions =
         M / 2;  // channels that come first; the others are velocities, theirs if there are as many
     double interval = 0.0;  // since the last measurement that was used, for the next one [s]
+    bool may_blame = true;  // the prediction, at the next one
+    bool sure = true;       // of the attitude, which otherwise explains any motion
 
     // `open`: the measurement is used whatever its innovation.
     template <int N>
@@ -188,6 +190,14 @@ class Combined {
     // What explains an innovation that is no outlier; R is scaled if it is the noise.
     template <int N>
     Cause told_apart(const Look& look, const Innovation<N, M>& innovation, const InnovationGate& gate);
+
+    Cause blamed(Cause cause) {
+        if (!may_blame) {
+            return Cause::unknown;
+        }
+        refused_ = 0;
+        return cause;
+    }
 
     // Two of them more than it takes, if it is not clear by then.
     [[nodiscard]] bool may_wait() const { return refused_ < patience + 2; }
@@ -383,13 +393,11 @@ Cause Combined<M>::told_apart(const Look& look, const Innovation<N, M>& innovati
             return Cause::unknown;
         }
         if (scattered > kTrend) {
-            refused_ = 0;
-            return Cause::motion;
+            return sure ? blamed(Cause::motion) : Cause::unknown;
         }
     }
     if (!abrupt && slow(look, used)) {
-        refused_ = 0;
-        return Cause::start;
+        return blamed(Cause::start);
     }
     const PerGroup larger = grown.max(square_of(innovation)).min(limit * limit);
     if (!explains(larger)) {

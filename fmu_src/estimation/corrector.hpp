@@ -27,6 +27,7 @@ class Corrector {
     InnovationGate gate;
 
     bool gate_stands_open = false;  // for the next measurement, whatever its innovation
+    bool way_back = false;          // under way: `combined` is the standard one behind the gate
 
     // Guard against lock-out: a prediction that has gone astray makes the gate refuse every good measurement,
     // for ever. After `patience` of them in a row it is time to blame the prediction; 0: never.
@@ -80,7 +81,7 @@ class Corrector {
   private:
     static constexpr int kMostContradictions = 1000;
 
-    [[nodiscard]] bool judges() const { return method == Method::combined && gate.enabled; }
+    [[nodiscard]] bool judges() const { return method == Method::combined && gate.enabled && !way_back; }
 
     Correction<N, M> corrected(const Matrix<N>& prior, const Innovation<N, M>& innovation);
 
@@ -104,8 +105,8 @@ Correction<N, M> Corrector<N, M>::correct(const Matrix<N>& prior, const Innovati
     const bool taken = admitted && !(judged && !correction.used());
     refused_ = taken ? 0 : std::min(refused_ + 1, patience);
     correction.nis = nis;
-    const bool as_told = method == Method::standard || method == Method::h_infinity ||
-                         (method == Method::combined && !judged);
+    const bool as_told =
+        method == Method::standard || method == Method::h_infinity || (method == Method::combined && !judged);
     if (as_told || !taken) {
         correction.nis_used = nis;
         correction.channels_used = channels;
@@ -136,6 +137,7 @@ Correction<N, M> Corrector<N, M>::corrected(const Matrix<N>& prior, const Innova
             if (judges()) {
                 return combined.correct(prior, innovation, gate, gate_stands_open);
             }
+            combined.restart();
             break;
         case Method::standard:
             break;

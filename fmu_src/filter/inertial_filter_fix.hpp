@@ -200,16 +200,16 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         return innovation;
     };
     engine.corrector.gate_stands_open = recovery_.open();
+    engine.corrector.way_back = recovery_.on_ladder(clock_);
     engine.corrector.combined.interval = imu_.time() - last_fix_;
+    engine.corrector.combined.may_blame = recovery_.may_doubt(clock_);
+    engine.corrector.combined.sure = was_sure_;
     if (went_coarsely()) {
         return;
     }
     auto innovation = innovate();
     auto correction = engine.corrected(innovation);
-    const Cause cause = innovation.channels() > 0 ? engine.corrector.cause() : Cause::none;
-    const bool blamed = cause >= Cause::start;
-    if (innovation.channels() > 0 &&
-        (engine.corrector.out_of_patience() || (blamed && !recovery_.may_doubt(clock_)))) {
+    if (innovation.channels() > 0 && engine.corrector.out_of_patience()) {
         recover(engine, seen, innovation.residual);
         if (went_coarsely()) {
             return;
@@ -217,7 +217,8 @@ void InertialFilter<Interface, Engines...>::correct(E& engine, const Port& port,
         engine.corrector.gate_stands_open = true;
         innovation = innovate();
         correction = engine.corrected(innovation);
-    } else if (blamed) {
+    } else if (const Cause cause = engine.corrector.cause();
+               innovation.channels() > 0 && cause >= Cause::start) {
         blame(engine, cause, discrepancy_of(engine, seen, innovation.residual),
               correction.nis / innovation.channels());
         engine.corrector.gate_stands_open = true;

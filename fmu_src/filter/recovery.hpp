@@ -45,7 +45,7 @@ class Recovery {
         if (calm(clock)) {
             climbs_ = 0;
         }
-        doubts_ = 0;
+        on_ladder_ = true;
         climbs_ = std::min(climbs_ + 1, kMostClimbs);
         if (climbs_ == kSensors && !sure) {
             climbs_ = kAttitude;
@@ -71,12 +71,16 @@ class Recovery {
     // Something has been doubted without a rung being climbed: the filter is recovering as it is after one.
     void doubt(double clock) {
         doubts_ = calm(clock) ? 1 : doubts_ + 1;
+        on_ladder_ = false;
         climbs_ = std::max(climbs_, 1);
         climbed_ = clock;
     }
 
     // Doubts that follow one another do not help.
     [[nodiscard]] bool may_doubt(double clock) const { return calm(clock) || doubts_ < kMostDoubts; }
+
+    // What is beyond the gate then, only the next rung answers.
+    [[nodiscard]] bool on_ladder(double clock) const { return on_ladder_ && !calm(clock); }
 
     // The next fix passes whatever its innovation.
     [[nodiscard]] bool open() const { return open_for_ > 0; }
@@ -95,17 +99,18 @@ class Recovery {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(climbs_, doubts_, open_for_, climbed_, heading_);
+        archive(climbs_, doubts_, on_ladder_, open_for_, climbed_, heading_);
         doubts_ = std::clamp(doubts_, 0, kMostDoubts);
         climbs_ = std::clamp(climbs_, 0, kMostClimbs);  // whatever a damaged state says
     }
 
   private:
-    static constexpr int kMostDoubts = 6;
+    static constexpr int kMostDoubts = 3;
 
     [[nodiscard]] bool calm(double clock) const { return clock - climbed_ > 2.0 * kCalm; }
 
     int doubts_ = 0;           // one after the other
+    bool on_ladder_ = false;   // climbed it last, and did not doubt since
     int climbs_ = 0;           // in this recovery
     int open_for_ = 0;         // fixes
     double heading_ = 0.0;     // tried last [rad]

@@ -274,15 +274,15 @@ def _component_files(
     files: dict[str, str | bytes] = {
         f"parameters/{component.name}.ssv": documents.parameters(system, component, form),
         f"reference/{name}_ref.csv": reference.csv(
-            results.outputs, form.entries(component, component.outputs)
+            results.outputs, form.entries(component, component.outputs), words=form.arrays
         ),
         f"reference/{name}_ref.opt": documents.options(system),
     }
     if component.inputs:
         inputs = form.entries(component, component.inputs)
-        files[f"reference/{name}_in.csv"] = reference.csv(results.inputs, inputs)
+        files[f"reference/{name}_in.csv"] = reference.csv(results.inputs, inputs, words=form.arrays)
         first = {column: values[:2] for column, values in results.inputs.items()}
-        files[f"{SKELETONS}/{name}_in.csv"] = reference.csv(first, inputs)
+        files[f"{SKELETONS}/{name}_in.csv"] = reference.csv(first, inputs, words=form.arrays)
     if form is FMI2:  # of the instance that ran
         files[f"reference/{name}_end.state"] = results.state
     return files

@@ -19,6 +19,7 @@ from sim_scenarios.cosimulation import AlignmentSource, FmuSource, Sink, Source,
 from sim_scenarios.exchange.forms import Entry
 from sim_scenarios.exchange.start_values import text
 from sim_scenarios.exchange.system import Component, Connection, System
+from sim_scenarios.fmus import Number, Variable
 from sim_scenarios.instance import Instance, Port
 from sim_scenarios.stepping import Order
 
@@ -133,17 +134,23 @@ def _driver(system: System, instances: Mapping[str, Instance]) -> _Driver | None
     return _Driver(vehicle, instances[system.plant.name], connection)
 
 
-def csv(columns: Columns, entries: Sequence[Entry]) -> str:
+def csv(columns: Columns, entries: Sequence[Entry], *, words: bool = False) -> str:
     """Columns as text that reads back to the same bits; elements of an array stand in one column.
 
-    The form is that of the FMI cross-check, which fmusim and FMPy extend to arrays.
+    The form is that of the FMI cross-check, which fmusim and FMPy extend to arrays. `words`: Booleans are
+    true and false, as fmusim reads them in FMI 3.
     """
     header = [f'"{entry.name}"' if "," in entry.name else entry.name for entry in entries]
-    cells = [_cells(entry, columns) for entry in entries]
+    cells = [_cells(entry, columns, words and entry.kind == "Boolean") for entry in entries]
     rows = zip(map(repr, columns["time"].tolist()), *cells, strict=True)
     return "\n".join([",".join(["time", *header]), *map(",".join, rows), ""])
 
 
-def _cells(entry: Entry, columns: Columns) -> Iterator[str]:
-    elements = [[text(e, value) for value in columns[e.name].tolist()] for e in entry.elements]
+def _cells(entry: Entry, columns: Columns, words: bool) -> Iterator[str]:
+    written = _word if words else text
+    elements = [[written(e, value) for value in columns[e.name].tolist()] for e in entry.elements]
     return map(" ".join, zip(*elements, strict=True))
+
+
+def _word(_: Variable, value: Number) -> str:
+    return "true" if value else "false"

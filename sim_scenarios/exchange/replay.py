@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 ATOM = 1e-6
 """Largest value up to which an output counts as zero but for rounding, in SI units."""
+_WORDS = {"true": "1", "false": "0"}
 _ACCESS = {
     "Real": "Real",
     "Integer": "Integer",
@@ -188,7 +189,7 @@ def _columns(table: bytes) -> dict[str, Array]:
     """Columns by name; a row of each has the elements of an array, or one value."""
     header, *rows = csv.reader(io.StringIO(table.decode()))
     columns = {
-        name: np.array([text.split() for text in column], dtype=float)
+        name: np.array([[_WORDS.get(part, part) for part in text.split()] for text in column], dtype=float)
         for name, column in zip(header, zip(*rows, strict=True), strict=True)
     }
     return {**columns, "time": columns["time"][:, 0]}

@@ -321,8 +321,8 @@ def version_of(program: Path) -> str:
 
 LIMITS = {
     "occurs more than once": "cannot read `x[1,2]` in a CSV",
+    "could not convert string to float: 'false'": "cannot feed discrete arrays",
     "is out of bounds for axis 0": "cannot feed discrete arrays",
-    "provided string was not `true` or `false`": "does not read 0 and 1 as Booleans of arrays",
     "must be a divisor of the simulation duration (20.01)": "takes 0.01 s for no divisor of 20.01 s",
 }
 """What command lines say of what they cannot do, and what that is."""

@@ -195,6 +195,25 @@ TEST_P(CombinedCorrector, BlamesTheMotionForAVelocityThatGoesAway) {
     EXPECT_LT(trial.covariance(kTilt, kTilt), 1.01 * tilt);
 }
 
+TEST_P(CombinedCorrector, BlamesNoMotionWhereTheAttitudeWasNeverKnown) {
+    Trial trial = settled(GetParam());
+    trial.filter.combined.sure = false;
+    for (int i = 0; i < 10; ++i) {
+        trial.step({.acceleration = 1.0});
+        EXPECT_NE(trial.filter.cause(), Cause::motion);
+    }
+}
+
+TEST_P(CombinedCorrector, BlamesNothingWhereItMayNot) {
+    Trial trial = settled(GetParam());
+    trial.filter.combined.may_blame = false;
+    trial.error(kVelocity) += 20.0;
+    for (int i = 0; i < 30; ++i) {
+        EXPECT_FALSE(trial.step().used());
+        EXPECT_LT(trial.filter.cause(), Cause::start);
+    }
+}
+
 // Neither goes off without the other in a prediction: the measurements are wrong, however many they are.
 TEST_P(CombinedCorrector, HoldsBackAPositionThatStaysAwayAlone) {
     Trial trial = settled(GetParam());
