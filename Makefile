@@ -76,8 +76,7 @@ lint: fmus  ## Formatting, clang-tidy, ruff, mypy
 	@echo "== Lint: clang-format"
 	@clang-format --dry-run --Werror $(CPP_FILES)
 	@echo "== Lint: clang-tidy"
-	@printf '%s\n' build/native/fmu_src/CMakeFiles/lint.dir/Unity/*.cxx fmu_src/fmi/fmi3.cpp \
-	    | xargs -P $(JOBS) -n 1 clang-tidy --quiet -p build/native
+	@printf '%s\n' $(filter fmu_src/%,$(CPP_SOURCES)) | xargs -P $(JOBS) -n 4 clang-tidy --quiet --extra-arg=-Wno-ignored-gch -p build/native
 	@echo "== Lint: ruff, mypy"
 	@ruff check --quiet .
 	@ruff format --check --quiet .

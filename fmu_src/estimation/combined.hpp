@@ -174,15 +174,13 @@ class Combined {
     // Mean square of an innovation in terms of its noise.
     template <int N>
     [[nodiscard]] PerGroup square_of(const Innovation<N, M>& innovation) const {
-        PerGroup square = PerGroup::Zero();
-        PerGroup channels = PerGroup::Zero();
-        for (int i = 0; i < M; ++i) {
-            if (innovation.present(i)) {
-                square(group(i)) += innovation.residual(i) * innovation.residual(i) / innovation.noise(i, i);
-                channels(group(i)) += 1.0;
-            }
-        }
-        return square / channels.max(1.0);
+        const Array ratio = innovation.residual.array().square() / innovation.noise.diagonal().array();
+        const auto mean = [&](int first, int count) {
+            const auto present = innovation.present.segment(first, count);
+            return present.select(ratio.segment(first, count), 0.0).sum() /
+                   std::max<double>(1.0, present.count());
+        };
+        return {mean(0, positions), mean(positions, M - positions)};
     }
 
     void take(const PerGroup& grown);

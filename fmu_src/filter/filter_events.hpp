@@ -156,12 +156,8 @@ inline const char* reason(Contradiction contradiction) {
 
 // What the corrector `combined` blames.
 inline const char* reason(Cause cause) {
-    switch (cause) {
-        case Cause::motion:
-            return "a motion that the IMU has not measured, or measured wrongly, is in doubt";
-        default:
-            return "position, velocity and attitude are in doubt, as far as the fixes say";
-    }
+    return cause == Cause::motion ? "a motion that the IMU has not measured, or measured wrongly, is in doubt"
+                                  : "position, velocity and attitude are in doubt, as far as the fixes say";
 }
 
 // What else happens many times.
