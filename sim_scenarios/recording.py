@@ -171,9 +171,14 @@ def errors(data: xr.Dataset) -> dict[str, Entry]:
     return {**_attitude_errors(data), **_position_and_velocity_errors(data)}
 
 
+def _dimensions(data: xr.Dataset) -> tuple[str, ...]:
+    """Of a scalar of one filter, or of several."""
+    return ("filter", "time") if "filter" in data.dims else ("time",)
+
+
 def _attitude_errors(data: xr.Dataset) -> dict[str, Entry]:
     """Errors of attitude and heading against the truth."""
-    dimensions = tuple(str(name) for name in data["nav.heading"].dims)
+    dimensions = _dimensions(data)
     estimated, true = (
         attitude.dcm(*(_of_frame(data, frame, angle) for angle in ("roll", "pitch", "heading")))
         for frame in ("nav", "truth")
@@ -201,7 +206,7 @@ def _position_and_velocity_errors(data: xr.Dataset) -> dict[str, Entry]:
         for frame in ("nav", "truth")
     )
     velocity = _of_frame(data, "nav", "velocity") - data["truth.velocity"].values
-    dimensions, meaning = (*map(str, data["nav.heading"].dims), "axis3"), "Estimated minus true"
+    dimensions, meaning = (*_dimensions(data), "axis3"), "Estimated minus true"
     return {
         "position_error": (
             dimensions,
@@ -222,7 +227,7 @@ def _of_frame(data: xr.Dataset, frame: str, name: str) -> NDArray[np.float64]:
     if f"{frame}.{name}" in data:
         values: NDArray[np.float64] = data[f"{frame}.{name}"].values
         return values
-    return np.full((*data["nav.heading"].shape[:-1], *truth.shape), np.nan)
+    return np.full((*(data.sizes[name] for name in _dimensions(data)[:-1]), *truth.shape), np.nan)
 
 
 def of_filter(data: xr.Dataset, label: str) -> xr.Dataset:

@@ -106,7 +106,7 @@ class Combined {
     static constexpr double kSlow = 3.0;     // they are as they should be
     static constexpr double kAbrupt = 12.0;  // a trend that neither noise nor a wrong attitude makes,
     static constexpr double kPlain = 8.0;    // in terms of the scatter of the steps: plainly,
-    static constexpr double kTrend = 4.0;    // and when there has been time enough
+    static constexpr double kTrend = 4.0;    // and when there has been time enough. Less is none
 
     // What an innovation says together with those before it.
     struct Look {
@@ -384,7 +384,14 @@ Cause Combined<M>::told_apart(const Look& look, const Innovation<N, M>& innovati
     if (positions > 0 && (velocity_explained(used, gate) || !place_follows(used))) {
         return Cause::unknown;
     }
-    const bool abrupt = trend(look, used) > kAbrupt;
+    const double led = trend(look, used);
+    const bool abrupt = led > kAbrupt;
+    if (led > kTrend && !abrupt) {
+        if (may_wait()) {
+            return Cause::unknown;
+        }
+        return blamed(sure ? Cause::motion : Cause::start);
+    }
     if (abrupt) {
         const double scattered = trend(look, scaled(innovation, grown));
         if (scattered <= kPlain && may_wait()) {

@@ -385,6 +385,10 @@ void InertialFilter<Interface, Engines...>::blame(E& engine, Cause cause, const 
         more.attitude = variance.cwiseMin(widest.cwiseAbs2()).asDiagonal();
     }
     engine.add_uncertainty(more);
+    if (cause == Cause::start) {  // the attitude sets out anew
+        was_sure_ = false;
+        open_ledger(engine);
+    }
     recovery_.doubt(clock_);
     if (log_->listens()) {
         if (const auto omitted = told_notices_.tell(Notice::blamed, clock_)) {

@@ -219,6 +219,7 @@ TEST(AlignmentFilterCombined, BlamesAStartBeyondItsPrior) {
         run.advance(fed, 0, 600 * kRate);
         const Outputs& outputs = fed.filter.outputs;
         EXPECT_EQ(fed.log.with("contradict the prediction"), 1);
+        EXPECT_EQ(outputs.status, alignment_filter::Status::converged);
         EXPECT_GE(outputs.used_fixes, 500);
         EXPECT_LT(outputs.nav.velocity.norm(), 0.1);
         EXPECT_LT(std::abs(heading_error_of(fed, run.table)), 0.1 * kDegree);
