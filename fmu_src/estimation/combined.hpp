@@ -183,6 +183,7 @@ class Combined {
         return {mean(0, positions), mean(positions, M - positions)};
     }
 
+    Cause led_away(double plainly, double scattered);
     void take(const PerGroup& grown);
 
     // What explains an innovation that is no outlier; R is scaled if it is the noise.
@@ -384,24 +385,11 @@ Cause Combined<M>::told_apart(const Look& look, const Innovation<N, M>& innovati
     if (positions > 0 && (velocity_explained(used, gate) || !place_follows(used))) {
         return Cause::unknown;
     }
-    const double led = trend(look, used);
-    const bool abrupt = led > kAbrupt;
-    if (led > kTrend && !abrupt) {
-        if (may_wait()) {
-            return Cause::unknown;
-        }
-        return blamed(sure ? Cause::motion : Cause::start);
+    const Cause led = led_away(trend(look, used), trend(look, scaled(innovation, grown)));
+    if (led != Cause::none && led != Cause::noise) {
+        return led;
     }
-    if (abrupt) {
-        const double scattered = trend(look, scaled(innovation, grown));
-        if (scattered <= kPlain && may_wait()) {
-            return Cause::unknown;
-        }
-        if (scattered > kTrend) {
-            return sure ? blamed(Cause::motion) : Cause::unknown;
-        }
-    }
-    if (!abrupt && slow(look, used)) {
+    if (led == Cause::none && slow(look, used)) {
         return blamed(Cause::start);
     }
     const PerGroup larger = grown.max(square_of(innovation)).min(limit * limit);
@@ -410,6 +398,24 @@ Cause Combined<M>::told_apart(const Look& look, const Innovation<N, M>& innovati
     }
     take(larger);
     return Cause::noise;
+}
+
+// What a trend tells that is so large, and so large in terms of the scatter; `none`: there is none.
+template <int M>
+Cause Combined<M>::led_away(double plainly, double scattered) {
+    if (plainly <= kTrend) {
+        return Cause::none;
+    }
+    if (plainly <= kAbrupt) {
+        return may_wait() ? Cause::unknown : blamed(sure ? Cause::motion : Cause::start);
+    }
+    if (scattered <= kPlain && may_wait()) {
+        return Cause::unknown;
+    }
+    if (scattered <= kTrend) {
+        return Cause::noise;
+    }
+    return sure ? blamed(Cause::motion) : Cause::unknown;
 }
 
 // As if it had been learned from as many measurements.
