@@ -52,10 +52,9 @@ template <int M>
 class Combined {
   public:
     int patience = 3;
-    double memory = 40.0;  // measurements
-    double limit = 10.0;   // of the sigma of the noise
-    int positions =
-        M / 2;  // channels that come first; the others are velocities, theirs if there are as many
+    double memory = 40.0;   // measurements
+    double limit = 10.0;    // of the sigma of the noise
+    int positions = M / 2;  // channels that come first; the others are velocities, of these if as many
     double interval = 0.0;  // since the last measurement that was used, for the next one [s]
     bool may_blame = true;  // the prediction, at the next one
     bool sure = true;       // of the attitude, which otherwise explains any motion
