@@ -23,7 +23,7 @@ class AlignmentFilter : public AlignmentFilterBase {
     // Starts at start_time [s] from the parameters initial.*. Throws InvalidParameter.
     void initialise(double start_time);
 
-    void step(double time, double step) { advance(time + step); }
+    void step(double time, double step) { advance(time, step); }
 };
 
 }  // namespace truenorth

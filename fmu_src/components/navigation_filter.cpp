@@ -50,7 +50,7 @@ void NavigationFilter::step(double time, double step) {
     if (!under_way() && inputs.initial.valid && std::abs(inputs.initial.time - now()) <= kTimeTolerance) {
         hand_over();
     }
-    advance(time + step);
+    advance(time, step);
     if (!under_way() && inputs.initial.valid) {
         hand_over();
         publish();

@@ -10,6 +10,7 @@
 #include "estimation/innovation_gate.hpp"
 #include "estimation/innovation_mean.hpp"
 #include "estimation/nis_window.hpp"
+#include "filter/arrival.hpp"
 #include "filter/filter_events.hpp"
 #include "filter/stamp_clock.hpp"
 
@@ -23,6 +24,7 @@ struct AidMemory {
     int rejected = 0;    // that did not
     double last = 0.0;   // when one did, or the start, by the master's clock [s]
     double heard = 0.0;  // when one came [s]
+    Arrival arrival;
     StampClock clock;
     NisWindow window;
     InnovationMean<kMostChannels> mean;
@@ -75,7 +77,8 @@ struct AidMemory {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(sample, used, rejected, last, heard, clock, window, mean, told, refused_, contradictions_);
+        archive(sample, used, rejected, last, heard, arrival, clock, window, mean, told, refused_,
+                contradictions_);
     }
 
   private:

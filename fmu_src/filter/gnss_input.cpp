@@ -68,6 +68,7 @@ bool GnssInput::repeats(const GnssFix& fix) const {
 }
 
 GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment& moment, double speed) {
+    sample = arrival_.number(sample, fix.time);
     if (sample == seen_) {
         return Verdict::stale;
     }

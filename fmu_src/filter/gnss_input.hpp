@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "filter/arrival.hpp"
 #include "filter/stamp_clock.hpp"
 #include "inertial/earth.hpp"
 
@@ -46,6 +47,8 @@ class GnssInput {
     // `speed` is that of the vehicle as far as the filter knows [m/s].
     Verdict read(int sample, const GnssFix& fix, const Moment& moment, double speed = 0.0);
 
+    [[nodiscard]] Arrival& arrival() { return arrival_; }  // how fixes come
+
     // When the last accepted fix was valid, by the filter's clock [s].
     [[nodiscard]] double valid_at() const { return clock_.valid_at(); }
     [[nodiscard]] int disagreements() const {
@@ -54,7 +57,7 @@ class GnssInput {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(seen_, any_, last_position_, last_velocity_, clock_);
+        archive(seen_, any_, last_position_, last_velocity_, clock_, arrival_);
     }
 
   private:
@@ -66,6 +69,7 @@ class GnssInput {
     earth::Position last_position_;  // of the last sound one
     Eigen::Vector3d last_velocity_ = Eigen::Vector3d::Zero();
     StampClock clock_;
+    Arrival arrival_;
 };
 
 }  // namespace truenorth

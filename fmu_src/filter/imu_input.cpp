@@ -30,6 +30,7 @@ std::int64_t advance(int from, int to) {
 ImuInput::Verdict ImuInput::read(int sample, double time, const Eigen::Vector3d& delta_angle,
                                  const Eigen::Vector3d& delta_velocity, double clock) {
     clock_ = std::max(clock_, clock);
+    sample = arrival_.number(sample, time);
     if (sample == seen_) {
         return Verdict::stale;
     }

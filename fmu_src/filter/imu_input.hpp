@@ -1,9 +1,9 @@
 // Reads an IMU port: decides which samples are new and sound, how much time each covers, and what is known of
 // the time in between.
 //
-// The time stamps say how much time an increment covers. The sample count says only that a sample is new, and
-// the master's clock, on which silence is measured, how much time can have passed at all. Where the three do
-// not agree, two of them are right:
+// The time stamps say how much time an increment covers. The sample count says only that a sample is new
+// (without one a new stamp does, arrival.hpp), and the master's clock, on which silence is measured, how much
+// time can have passed at all. Where the three do not agree, two of them are right:
 //
 //   the count leaps, the stamps do not        samples were numbered, not lost
 //   the stamps leap, the clock does not       the sensor's clock was set: what follows goes on from there
@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "filter/arrival.hpp"
 #include "filter/imu_activity.hpp"
 #include "inertial/mechanisation.hpp"
 
@@ -68,6 +69,7 @@ class ImuInput {
     [[nodiscard]] double stamp() const { return time_ + offset_; }  // likewise, as the sensor's clock has it
     [[nodiscard]] double offset() const { return offset_; }         // of the sensor's clock [s]
     [[nodiscard]] bool any() const { return any_; }                 // a sample has been accepted
+    [[nodiscard]] Arrival& arrival() { return arrival_; }           // how samples come
     [[nodiscard]] int gap() const { return gap_; }  // increments missed just before the last accepted one
     // What the last accepted increment made up, for samples that did not come or were refused [s].
     [[nodiscard]] double bridged() const { return bridged_; }
@@ -93,7 +95,7 @@ class ImuInput {
         archive(increment_, time_, offset_, clock_, heard_, suspected_, any_, gap_, bridged_, blind_, seen_,
                 accepted_, refused_, refused_stamp_, rejected_, missed_, disagreements_, period_, stride_,
                 new_stride_, new_count_, new_strides_, jumps_, old_, doubtful_angle_, doubtful_velocity_,
-                stuck_for_, finding_, activity_);
+                stuck_for_, finding_, activity_, arrival_);
         new_strides_ = std::clamp(new_strides_, 0, 2);  // whatever a damaged state says
     }
 
@@ -156,6 +158,7 @@ class ImuInput {
     Rates stuck_for_ = Rates::Zero();  // [s]
     Finding finding_ = Finding::none;
     ImuActivity activity_;
+    Arrival arrival_;
 };
 
 }  // namespace truenorth

@@ -71,9 +71,9 @@ class InertialFilter {
     // Sets out from here, at the time to which the IMU data reach.
     void set_out(const Start& start);
 
-    // Processes what is new at the inputs by the time `clock` of the master [s]. Their time stamps count; the
-    // clock tells what does not come.
-    void advance(double clock);
+    // Processes what is new at the inputs in a step of the master that begins at `time` [s]. Their time
+    // stamps count; the master's clock tells what does not come, and with imu.each_step when a sample ends.
+    void advance(double time, double step);
 
     void publish();
 
@@ -85,14 +85,17 @@ class InertialFilter {
 
   private:
     using Port = decltype(Interface::Inputs::gnss);
+    using ImuPort = decltype(Interface::Inputs::imu);
 
     void check() const;
     void choose_model();      // engine_ becomes that of error_model
     void configure_engine();  // its settings, as they follow from the parameters
-    bool watch();             // the inputs, while there is no estimate
+    [[nodiscard]] ImuPort imu_port(double time) const;
+    bool watch(const ImuPort& port);  // and the other inputs, while there is no estimate
     void start_over();
-    bool take_sample();
-    void tell_of(ImuInput::Verdict verdict);
+    bool take_sample(const ImuPort& port);
+    void tell_of(ImuInput::Verdict verdict, const ImuPort& port);
+    void tell_what_is_missing();
     void warn_of_long_interval();
     bool take_aids(bool sampled);
     void watch_for_standstill();

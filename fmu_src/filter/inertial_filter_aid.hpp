@@ -126,10 +126,14 @@ template <class Interface, class... Engines>
 template <class Aid>
 bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, AidMemory& memory) {
     const auto& port = Aid::port(inputs);
-    if (status_.faulted() || port.sample == memory.sample) {
+    if (status_.faulted()) {
         return false;
     }
-    memory.sample = port.sample;
+    const int sample = memory.arrival.number(port.sample, port.time);
+    if (sample == memory.sample) {
+        return false;
+    }
+    memory.sample = sample;
     const auto refuse = [&](Refusal refusal) {
         return refuse_aid(memory, refusal, [&port] {
             return text(Aid::kName, " ", port.sample, " (", Aid::kName, ".time = ", port.time, " s)");

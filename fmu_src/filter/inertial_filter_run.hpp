@@ -181,22 +181,25 @@ void InertialFilter<Interface, Engines...>::retune() {
 }
 
 template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::advance(double clock) {
-    clock_ = std::max(clock_, clock);
+void InertialFilter<Interface, Engines...>::advance(double time, double step) {
+    clock_ = std::max(clock_, time + step);
+    const ImuPort imu = imu_port(time);
     if (!under_way_ || status_.faulted()) {
-        const bool fix = watch();
+        const bool fix = watch(imu);
+        tell_what_is_missing();
         if (under_way_ && fix) {
             start_over();
         }
         publish();
         return;
     }
-    const bool sampled = take_sample();
+    const bool sampled = take_sample(imu);
     bool anything_new = sampled;
     if (!status_.faulted()) {
         anything_new = take_fix() || anything_new;
         anything_new = take_aids(sampled) || anything_new;
     }
+    tell_what_is_missing();
     const double pending = std::visit([](const auto& engine) { return engine.pending(); }, engine_);
     if (!status_.faulted() && pending > parameters.filter.interval - kTimeTolerance) {
         predict();
@@ -212,13 +215,23 @@ void InertialFilter<Interface, Engines...>::advance(double clock) {
     publish();
 }
 
+// What the IMU put out by a step that begins at `time` [s].
+template <class Interface, class... Engines>
+auto InertialFilter<Interface, Engines...>::imu_port(double time) const -> ImuPort {
+    ImuPort port = inputs.imu;
+    if (parameters.imu.each_step) {
+        port.sample = 0;
+        port.time = time;
+    }
+    return port;
+}
+
 // Whether a sound fix came, from which, and from what the outputs still tell, a filter could set out.
 template <class Interface, class... Engines>
-bool InertialFilter<Interface, Engines...>::watch() {
-    const auto& imu = inputs.imu;
-    const auto sample = imu_.read(imu.sample, imu.time, imu.delta_angle, imu.delta_velocity, clock_);
+bool InertialFilter<Interface, Engines...>::watch(const ImuPort& port) {
+    const auto sample = imu_.read(port.sample, port.time, port.delta_angle, port.delta_velocity, clock_);
     if (sample == ImuInput::Verdict::rejected) {
-        tell_of(sample);
+        tell_of(sample, port);
     }
     const auto verdict = gnss_.read(inputs.gnss.sample, fix_at(inputs.gnss), moment(imu_.increment().dt));
     if (verdict == GnssInput::Verdict::accepted) {
@@ -267,15 +280,14 @@ StampClock::Moment InertialFilter<Interface, Engines...>::moment(double slack) c
 
 // Whether there was one.
 template <class Interface, class... Engines>
-bool InertialFilter<Interface, Engines...>::take_sample() {
-    const auto& port = inputs.imu;
+bool InertialFilter<Interface, Engines...>::take_sample(const ImuPort& port) {
     const bool had_fixes = imu_.time() - last_fix_ <= wait_for_fix();
 
     const auto verdict = imu_.read(port.sample, port.time, port.delta_angle, port.delta_velocity, clock_);
     if (verdict == ImuInput::Verdict::stale) {
         return false;
     }
-    tell_of(verdict);
+    tell_of(verdict, port);
     if (verdict == ImuInput::Verdict::rejected) {
         return true;
     }
@@ -328,11 +340,10 @@ bool InertialFilter<Interface, Engines...>::take_sample() {
 }
 
 template <class Interface, class... Engines>
-void InertialFilter<Interface, Engines...>::tell_of(ImuInput::Verdict verdict) {
+void InertialFilter<Interface, Engines...>::tell_of(ImuInput::Verdict verdict, const ImuPort& port) {
     if (!log_->listens()) {
         return;
     }
-    const auto& port = inputs.imu;
     if (verdict == ImuInput::Verdict::resumed && imu_.blind_for() > 0.0) {
         log_->event(text("IMU data resume at imu.time = ", port.time,
                          " s after a gap that cannot be bridged; the estimate starts again"));
@@ -351,6 +362,33 @@ void InertialFilter<Interface, Engines...>::tell_of(ImuInput::Verdict verdict) {
             log_->event(text(imu_.gap(), " IMU sample(s) missed before imu.time = ", port.time, " s; bridged",
                              and_others(*omitted).c_str()));
         }
+    }
+}
+
+// What is not connected, as far as that shows; once of each port.
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::tell_what_is_missing() {
+    constexpr double kPatience = 1.0;  // [s]
+    if (!log_->listens()) {
+        return;
+    }
+    const auto tell = [this](Arrival& arrival, const char* port) {
+        if (arrival.by_stamps() && arrival.tell()) {
+            log_->event(text(port, ".sample stays 0: a new ", port, ".time counts as a new measurement"));
+        }
+    };
+    if (!parameters.imu.each_step) {
+        tell(imu_.arrival(), "imu");
+    }
+    tell(gnss_.arrival(), "gnss");
+    aids_.each([&]<class Aid>(std::type_identity<Aid>, AidMemory& memory) {
+        if constexpr (Aid::kHasPort) {
+            tell(memory.arrival, Aid::kName);
+        }
+    });
+    if (!imu_.arrival().any() && imu_.silent_for() > kPatience && imu_.arrival().tell()) {
+        log_->event(text("neither imu.sample nor imu.time has changed for ", kPatience,
+                         " s: no IMU data are taken until one does; connect one, or set imu.each_step"));
     }
 }
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
+import subprocess
+import sys
 import zipfile
 from contextlib import closing
 from pathlib import Path
@@ -238,6 +240,42 @@ def test_a_skeleton_begins_as_the_inputs_do(folder: Path) -> None:
         inputs = (folder / "reference" / place / "AlignmentFilter_in.csv").read_text()
         assert inputs.startswith(skeleton)
         assert len(skeleton.splitlines()) == 3
+
+
+def test_a_filter_alone_needs_no_counts(folder: Path, tmp_path: Path) -> None:
+    """FMPy's command line, once with the inputs of the reference and once without their counts."""
+    fmu, inputs = folder / "fmi2" / "AlignmentFilter.fmu", folder / "reference" / "AlignmentFilter_in.csv"
+    with inputs.open(newline="") as file:
+        rows = list(csv.reader(file))
+    kept = [i for i, name in enumerate(rows[0]) if not name.endswith(".sample")]
+    assert len(kept) < len(rows[0])
+    uncounted = tmp_path / "uncounted.csv"
+    with uncounted.open("w", newline="") as file:
+        csv.writer(file).writerows([row[i] for i in kept] for row in rows)
+    results = []
+    for given in (inputs, uncounted):
+        output = tmp_path / "out.csv"
+        command = [sys.executable, "-m", "fmpy", "simulate", str(fmu), "--interface-type", "CoSimulation"]
+        command += [
+            "--input-file",
+            str(given),
+            "--output-file",
+            str(output),
+            "--stop-time",
+            str(SHORT["duration"]),
+        ]
+        command += [
+            "--output-interval",
+            str(STEP),
+            "--output-variables",
+            "nav.heading",
+            "heading_sigma",
+            "used_fixes",
+        ]
+        subprocess.run(command, check=True, capture_output=True)
+        results.append(output.read_bytes())
+    assert results[0] == results[1]
+    assert float(results[0].splitlines()[-1].split(b",")[-1]) > 10
 
 
 def test_the_evidence_is_that_of_the_fmus_and_settings(folder: Path, fmus: Fmus) -> None:
