@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from importlib import resources
 from pathlib import Path
 
 import pytest
+from damage import refusals
 from typer.testing import CliRunner
 
 from sim_scenarios.cli.application import app
@@ -145,3 +147,15 @@ def test_files_that_extend_each_other_by_two_names(fmus: Fmus, tmp_path: Path) -
     other.write_text(f'extends = "{tmp_path}/below/../one.toml"', encoding="utf-8")
     with pytest.raises(InputError, match="extends this file in turn"):
         load_scenario(one, fmus)
+
+
+def test_damaged_scenarios_are_read_or_refused(fmus: Fmus, tmp_path: Path) -> None:
+    shipped = resources.files("sim_scenarios") / "scenarios" / "swaying_ship.toml"
+    (tmp_path / "ship.toml").write_bytes(shipped.read_bytes())
+    assert len(refusals(lambda path: load_scenario(path, fmus), tmp_path / "ship.toml")) > 50
+
+
+def test_damaged_campaigns_are_read_or_refused(tmp_path: Path) -> None:
+    shipped = resources.files("sim_scenarios") / "campaigns" / "heading_unknown.toml"
+    (tmp_path / "any.toml").write_bytes(shipped.read_bytes())
+    assert len(refusals(load_plan, tmp_path / "any.toml")) > 50
