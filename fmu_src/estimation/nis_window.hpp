@@ -16,7 +16,10 @@ class NisWindow {
     // Setting, not part of a saved state: how far back it reaches, to a part of kParts [s].
     double length = 60.0;
 
-    void restart() { parts_ = {}; }
+    void restart() {
+        parts_ = {};
+        any_ = false;
+    }
 
     // A measurement of `channels` channels at `time` [s], not before the last one.
     void add(double time, double nis, int channels) {
@@ -25,6 +28,7 @@ class NisWindow {
         if (part.number != number) {
             part = {.number = number};
         }
+        any_ = true;
         part.nis += nis;
         part.channels += channels;
     }
@@ -47,6 +51,7 @@ class NisWindow {
         for (Part& part : parts_) {
             archive(part.number, part.nis, part.channels);
         }
+        archive(any_);
     }
 
   private:
@@ -65,8 +70,11 @@ class NisWindow {
     }
 
     [[nodiscard]] Part total(double now) const {
-        const std::int64_t current = number_of(now);
         Part sum;
+        if (!any_) {  // as of every aid that a vehicle does not have
+            return sum;
+        }
+        const std::int64_t current = number_of(now);
         for (const Part& part : parts_) {
             if (part.number > current - kParts) {
                 sum.nis += part.nis;
@@ -77,6 +85,7 @@ class NisWindow {
     }
 
     std::array<Part, kParts> parts_{};
+    bool any_ = false;
 };
 
 }  // namespace truenorth
