@@ -325,7 +325,10 @@ def replay_sentence(run: xr.Dataset) -> str:
     status = status_at_end(run)
     sentence = f"The filter does not report convergence: it is {status} at the end"
     if status in CONTRADICTED:
-        return f"{sentence}. Its sensors may be worse than it was told: `truenorth derive` finds their noise"
+        return (
+            f"{sentence}. Measurements contradict what it was told: `truenorth derive` finds their noise; a "
+            "lever arm, the mounting or a clock in the description may be wrong"
+        )
     return sentence
 
 
