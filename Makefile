@@ -102,7 +102,7 @@ sanitize: $(READY)  ## C++ tests under the address, undefined-behaviour and thre
 	$(call configure,sanitized,$(SANITIZED))
 	@cmake --build --preset sanitized --parallel $(JOBS)
 	@ctest --preset sanitized --parallel $(JOBS)
-	$(call configure,tsan)
+	$(call configure,tsan,$(SANITIZED))
 	@cmake --build --preset tsan --parallel $(JOBS)
 	@ctest --preset tsan
 

@@ -1,6 +1,6 @@
 // Every function of FMI 2 in any order, with any arguments, on one FMU, whose resources have a recording:
 //
-//     fuzz_fmi2 BINARY MODEL_DESCRIPTION SEED CALLS
+//     fuzz_fmi2 BINARY MODEL_DESCRIPTION SEED CALLS [THREADS]
 //
 // Found is what a sanitizer finds, a call that hangs, and a refusal without a sentence.
 #include <array>
@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "chance.hpp"
-#include "components/recording_file.hpp"
 #include "fmi/binary.hpp"
 #include "fmi2FunctionTypes.h"
+#include "sessions.hpp"
 #include "watch.hpp"
 
 namespace {
@@ -22,7 +22,7 @@ using truenorth::fuzz::Chance;
 using truenorth::fuzz::Watch;
 using truenorth::test::Binary;
 
-long sentences = 0;  // that the FMU has logged as errors
+thread_local long sentences = 0;  // that the FMU has logged as errors
 
 // NOLINTNEXTLINE(modernize-avoid-variadic-functions): the standard says so
 void log(fmi2ComponentEnvironment /*environment*/, fmi2String name, fmi2Status status, fmi2String category,
@@ -254,19 +254,4 @@ void Session::add_functions() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-    if (argc != 5) {
-        std::fprintf(stderr, "usage: %s BINARY MODEL_DESCRIPTION SEED CALLS\n", argv[0]);
-        return 2;
-    }
-    const Binary binary(argv[1], argv[2]);
-    const long calls = std::stol(argv[4]);
-    const truenorth::ResourceFolder resources;
-    resources.put(truenorth::RecordingFile{}.bytes());
-    Session session(binary, resources.path().string(), std::stoull(argv[3]));
-    while (session.watch().calls() < calls) {
-        session.call_any();
-    }
-    std::printf("%s: seed %s, %ld calls, %ld sentences\n", argv[1], argv[3], calls, sentences);
-    session.watch().print();
-}
+int main(int argc, char** argv) { return truenorth::fuzz::run_sessions<Session>(argc, argv); }
