@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -138,9 +139,21 @@ def test_the_fmus_stay_valid_and_carry_their_experiment(folder: Path, version: s
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("name", ["TruthPlant", "AlignmentFilter", "NavigationFilter"])
-def test_vdmcheck_finds_nothing(aligned: tuple[System, Path], name: str) -> None:
-    assert vdmcheck.verdict(aligned[1] / "fmi2" / f"{name}.fmu") == vdmcheck.CLEAN
+def test_vdmcheck_finds_nothing(aligned: tuple[System, Path], name: str, version: int) -> None:
+    assert vdmcheck.verdict(aligned[1] / f"fmi{version}" / f"{name}.fmu", version) == vdmcheck.CLEAN
+
+
+@pytest.mark.parametrize("version", ["fmi2", "fmi3"])
+def test_fmusim_finds_nothing(aligned: tuple[System, Path], version: str) -> None:
+    fmusim = shutil.which("fmusim")
+    if fmusim is None:
+        pytest.skip("there is no fmusim")
+    for archive in (aligned[1] / version).glob("*.fmu"):
+        finished = subprocess.run([fmusim, "validate", archive], check=False, capture_output=True, text=True)
+        assert finished.returncode == 0, finished.stderr
+        assert "error" not in finished.stderr
 
 
 def test_enumerations_have_the_names_of_their_items(folder: Path) -> None:

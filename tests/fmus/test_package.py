@@ -40,6 +40,7 @@ def test_fmutool_finds_nothing(archive: Path) -> None:
 @pytest.mark.slow
 def test_vdmcheck_finds_nothing(archive: Path) -> None:
     assert vdmcheck.verdict(archive) == vdmcheck.CLEAN
+    assert vdmcheck.verdict(archive.parent / "fmi3" / archive.name, 3) == vdmcheck.CLEAN
 
 
 def test_vdmcheck_finds_what_the_schema_cannot(fmus: dict[str, Fmu], tmp_path: Path) -> None:

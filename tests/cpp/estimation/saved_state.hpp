@@ -1,8 +1,8 @@
 // A minimal archive: what a filter saves, as a row of numbers.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
-#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -30,15 +30,11 @@ class SavedState {
     }
 
   private:
-    void take(int& value) {
+    template <std::integral Value>
+    void take(Value& value) {
         auto real = static_cast<double>(value);
         take(real);
-        value = static_cast<int>(real);
-    }
-    void take(std::int64_t& value) {
-        auto real = static_cast<double>(value);
-        take(real);
-        value = static_cast<std::int64_t>(real);
+        value = static_cast<Value>(real);
     }
     void take(double& value) {
         if (loading_) {
