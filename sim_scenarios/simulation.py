@@ -17,7 +17,8 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmus, Number
 from sim_scenarios.instance import Message
 from sim_scenarios.provenance import attributes
-from sim_scenarios.scenario import FILTER, Scenario, load_scenario
+from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.scenario.tables import FILTER
 from sim_scenarios.scenario_bound import trajectory, with_bound
 from sim_scenarios.stepping import Order
 

@@ -1,4 +1,4 @@
-"""The dependencies of the C++ layers point one way (fmu_src/CMakeLists.txt), and so do those of studies."""
+"""Dependencies point one way: those of the C++ layers (fmu_src/CMakeLists.txt), of scenarios, of studies."""
 
 from __future__ import annotations
 
@@ -65,43 +65,63 @@ def test_only_the_fmi_layer_knows_fmi(layer: str) -> None:
 
 
 PACKAGE = ROOT / "sim_scenarios"
-STUDIES = "sim_scenarios.studies"
-ORDER = [
-    *("quantities", "measured", "expectations", "draws", "plan", "store", "runs", "execution", "ensemble"),
-    *("campaign", "statistics", "table", "regret", "pictures", "page"),
-]
-"""Modules of studies: each imports only those before it."""
-ABOVE = {"__init__.py", "cli", "papers", "studies"}
+ORDERS = {
+    "scenario": ["entries", "tables", "sentences", "settings", "loading"],
+    "studies": [
+        *("quantities", "measured", "expectations", "draws", "plan", "store", "runs", "execution"),
+        *("ensemble", "campaign", "statistics", "table", "regret", "pictures", "page"),
+    ],
+}
+"""Modules of a package: each imports only those before it."""
+MODULES = [(package, module) for package, order in ORDERS.items() for module in order]
+ABOVE_STUDIES = {"__init__.py", "cli", "papers", "studies"}
 """What may import studies."""
 
 
-def imported(text: str) -> set[str]:
-    """Modules of studies that a module imports."""
-    found = set()
+def imported(text: str, package: str) -> set[str]:
+    """What a module imports from a package: its modules, and what the package itself offers, by name."""
+    within, found = ".".join(filter(None, ("sim_scenarios", package))), set()
     for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.ImportFrom) and node.module == STUDIES:
+        if isinstance(node, ast.ImportFrom) and node.module == within:
             found |= {name.name for name in node.names}
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{STUDIES}."):
-            found.add(str(node.module).removeprefix(f"{STUDIES}."))
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{within}."):
+            found.add(str(node.module).removeprefix(f"{within}."))
     return found
 
 
-def test_every_module_of_studies_has_its_place() -> None:
-    assert {path.stem for path in (PACKAGE / "studies").glob("*.py")} == {"__init__", *ORDER}
+def source(*parts: str) -> str:
+    return PACKAGE.joinpath(*parts).with_suffix(".py").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("module", ORDER)
-def test_a_module_of_studies_imports_those_before_it(module: str) -> None:
-    found = imported((PACKAGE / "studies" / f"{module}.py").read_text(encoding="utf-8"))
-    assert found <= set(ORDER[: ORDER.index(module)])
+@pytest.mark.parametrize("package", ORDERS)
+def test_every_module_has_its_place(package: str) -> None:
+    assert {path.stem for path in (PACKAGE / package).glob("*.py")} == {"__init__", *ORDERS[package]}
+
+
+@pytest.mark.parametrize(("package", "module"), MODULES)
+def test_a_module_imports_those_before_it(package: str, module: str) -> None:
+    order = ORDERS[package]
+    assert imported(source(package, module), package) <= set(order[: order.index(module)])
 
 
 def test_what_studies_stand_on_does_not_know_them() -> None:
-    below = [p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] not in ABOVE]
+    below = [p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] not in ABOVE_STUDIES]
     assert below
-    assert [path for path in below if imported(path.read_text(encoding="utf-8"))] == []
+    assert [path for path in below if imported(path.read_text(encoding="utf-8"), "studies")] == []
+
+
+def test_what_a_scenario_stands_on_does_not_know_it() -> None:
+    texts = [source("scenario", module) for module in ORDERS["scenario"]]
+    below = {name.partition(".")[0] for text in texts for name in imported(text, "")} - {"scenario"}
+    assert {"fmus", "toml", "vehicles"} <= below
+    files = [path for name in below for path in (*PACKAGE.glob(f"{name}.py"), *PACKAGE.glob(f"{name}/*.py"))]
+    assert [path for path in files if imported(path.read_text(encoding="utf-8"), "scenario")] == []
 
 
 def test_an_import_against_the_order_is_found() -> None:
-    assert imported("from sim_scenarios.studies import page, store") == {"page", "store"}
-    assert imported("def f():\n    from sim_scenarios.studies.plan import Plan") == {"plan"}
+    assert imported("from sim_scenarios.studies import page, store", "studies") == {"page", "store"}
+    assert imported("def f():\n    from sim_scenarios.studies.plan import Plan", "studies") == {"plan"}
+    assert imported("from sim_scenarios.scenario import load_scenario", "scenario") == {"load_scenario"}
+    assert imported("from sim_scenarios.scenarios import it", "scenario") == set()
+    both = "from sim_scenarios import fmus\nfrom sim_scenarios.toml import read"
+    assert imported(both, "") == {"fmus", "toml"}

@@ -45,7 +45,8 @@ from sim_scenarios.recordings.replay import Filter
 from sim_scenarios.recordings.replay import replay as replay_recording
 from sim_scenarios.recordings.start import Start
 from sim_scenarios.recordings.tables import Recording
-from sim_scenarios.scenario import FILTER, Scenario, load_scenario
+from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.scenario.tables import FILTER
 from sim_scenarios.simulation import run_filters
 from sim_scenarios.stepping import Order
 

@@ -64,7 +64,7 @@ from sim_scenarios.catalogue import PAPERS, files
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import did_you_mean
 from sim_scenarios.papers.pictures import PANELS
-from sim_scenarios.scenario import Table
+from sim_scenarios.scenario.tables import Table
 from sim_scenarios.studies.expectations import Expectations, known_name
 from sim_scenarios.timeline import Window
 

@@ -18,7 +18,9 @@ from pydantic import Field, model_validator
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number
-from sim_scenarios.scenario import Scenario, Table, parts_of, setting_owner
+from sim_scenarios.scenario import Scenario
+from sim_scenarios.scenario.settings import setting_owner
+from sim_scenarios.scenario.tables import Table, parts_of
 
 STREAM: Final = 2
 """First number of the seeds of these streams, apart from that of the initial errors."""

@@ -34,7 +34,7 @@ from sim_scenarios.fmus import did_you_mean
 from sim_scenarios.metrics.figures import Figure, known
 from sim_scenarios.metrics.folds import OF_ERRORS
 from sim_scenarios.metrics.statistics import chi_square_interval
-from sim_scenarios.scenario import Table
+from sim_scenarios.scenario.tables import Table
 from sim_scenarios.studies.measured import Measured
 from sim_scenarios.studies.quantities import Asked
 from sim_scenarios.timeline import Window

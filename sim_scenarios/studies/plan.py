@@ -52,7 +52,8 @@ from sim_scenarios.catalogue import CAMPAIGNS, files, located_filters, scenario_
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus, Number, did_you_mean
 from sim_scenarios.names import Label, Name, Text
-from sim_scenarios.scenario import FILTER, MOTION, Scenario, Table, load_scenario
+from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.scenario.tables import FILTER, MOTION, Table
 from sim_scenarios.studies.draws import Distribution, Draw, draw
 from sim_scenarios.studies.expectations import Expectations, asked, known_name
 from sim_scenarios.studies.quantities import SERIES, Asked, figures

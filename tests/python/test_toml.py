@@ -72,3 +72,18 @@ def test_there_is_no_such_file(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize("text", ["[" * DEEP, "9" * 10_000, "\x00", "[" * 20 + "]" * 20, "'"])
 def test_a_value_that_is_none_is_a_text(text: str) -> None:
     assert toml.value(text) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("2", 2),
+        ("2.5", 2.5),
+        ("true", True),
+        ("10 deg", "10 deg"),
+        ("[1, 2]", [1, 2]),
+        ("h_infinity", "h_infinity"),
+    ],
+)
+def test_values_on_the_command_line(text: str, value: object) -> None:
+    assert toml.value(text) == value
