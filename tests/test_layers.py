@@ -69,7 +69,7 @@ ORDERS = {
     "scenario": ["entries", "tables", "sentences", "settings", "loading"],
     "studies": [
         *("quantities", "measured", "expectations", "draws", "plan", "store", "runs", "execution"),
-        *("ensemble", "campaign", "statistics", "table", "regret", "pictures", "page"),
+        *("ensemble", "campaign", "statistics", "table", "regret", "findings", "pictures", "page"),
     ],
 }
 """Modules of a package: each imports only those before it."""

@@ -18,6 +18,7 @@ from sim_scenarios.html import interactive, numbers, render
 from sim_scenarios.names import file_names
 from sim_scenarios.studies import pictures, regret, store, table
 from sim_scenarios.studies.expectations import Expectations, Row
+from sim_scenarios.studies.findings import found
 from sim_scenarios.studies.quantities import ERRORS
 from sim_scenarios.studies.statistics import CaseSummary, Course, Summary
 from sim_scenarios.units import reading
@@ -47,13 +48,14 @@ def write(
         tables = [rows for rows in (expected, *overviews) if rows]
         (draft / "table.md").write_text("\n".join(map(markdown.table, tables)), encoding="utf-8")
         reasons = [reason for one in expect for reason in one.reasons()]
-        (draft / "report.html").write_text(_html(data, cases, expected, reasons), encoding="utf-8")
+        html = _html(data, cases, found(data, cases, measured), expected, reasons)
+        (draft / "report.html").write_text(html, encoding="utf-8")
     there = {"report": "report.html", "table": "table.md", "data": store.NAME}
     return {what: str(folder / name) for what, name in there.items()}
 
 
 def _html(
-    data: xr.Dataset, cases: Sequence[CaseSummary], expected: table.Rows, reasons: Sequence[str]
+    data: xr.Dataset, cases: Sequence[CaseSummary], said: str, expected: table.Rows, reasons: Sequence[str]
 ) -> str:
     about = json.loads(data.attrs["cases"])
     return render(
@@ -62,6 +64,7 @@ def _html(
         description=data.attrs["description"],
         runs=data.attrs["runs"],
         seed=data.attrs["seed"],
+        found=said,
         cases=[(case, _tables(case)) for case in cases],
         expected=expected,
         reasons=reasons,

@@ -19,7 +19,7 @@ def campaign() -> str:
     script = source("campaign.js")
     return render(
         "campaign.html",
-        **{"title": SLY, "description": SLY, "runs": 1, "seed": 1, "cases": [], "by_scenario": []},
+        **{"title": SLY, "description": SLY, "found": SLY, "runs": 1, "seed": 1, "cases": []},
         **{"expected": [], "reasons": [], "about": {}, "content": "{}", "plotly": ""},
         **{"script": script, "scripts": [script, "plotly"]},
     )

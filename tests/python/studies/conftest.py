@@ -1,13 +1,18 @@
-"""A small campaign, run once for all tests: two scenarios, one of which lacks a filter."""
+"""A small campaign, run once for all tests: two scenarios, one of which lacks a filter; made-up results."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.studies.campaign import campaign
+from sim_scenarios.studies.quantities import BOUNDED, KEPT, SERIES
+from sim_scenarios.studies.store import State
 
 CAMPAIGN = """
 description = "Two courses"
@@ -41,3 +46,43 @@ def results_folder(plan_file: Path, fmus: Fmus, tmp_path_factory: pytest.TempPat
     folder = tmp_path_factory.mktemp("campaign")
     campaign(plan_file, folder, workers=2, fmus=fmus)
     return folder
+
+
+@pytest.fixture
+def results() -> xr.Dataset:
+    """One case with filters a and b in four runs, the last of which failed for b."""
+    runs = ("scenario", "filter", "run")
+    data = xr.Dataset(
+        {
+            **{name: ((*runs, "time"), np.ones((1, 2, 4, 3))) for name in SERIES},
+            **{name: (runs, np.ones((1, 2, 4))) for name in KEPT},
+            "state": (runs, np.full((1, 2, 4), State.finished, np.int8)),
+            **{f"{name}_bound": (("scenario", "time"), np.ones((1, 3))) for name in BOUNDED},
+            "heading_bound_rms": ("scenario", [0.5]),
+            "horizontal_bound_rms": ("scenario", [2.0]),
+            "fault_end": (("scenario", "run"), np.full((1, 4), np.nan)),
+        },
+        coords={"scenario": ["case"], "filter": ["a", "b"], "time": [0.0, 1.0, 2.0]},
+        attrs={
+            "plan": '{"reference": null}',
+            "cases": json.dumps(
+                {
+                    "case": {
+                        "attributes": {
+                            "duration": 2.0,
+                            "evaluation.stop": 1.0,
+                            "filter_fmu": "AlignmentFilter",
+                        }
+                    }
+                }
+            ),
+        },
+    )
+    data["state"][0, 1, 3] = State.failed
+    data["hand_over_time"][:] = np.nan
+    data["heading_rmse"][0] = [[1, 1, 1, 7], [3, 3, 3, np.nan]]
+    data["convergence_time"][0] = [[30, 10, np.nan, 20], [np.nan, np.nan, 5, np.nan]]
+    data["claimed_deviation"][0] = [[0.5, 3.1, np.nan, 2.9], [np.nan] * 4]
+    data["success"][0] = [[1, 1, 0, 1], [1, 1, 1, np.nan]]
+    data["heading_sigma"][0, 0, :, 1] = 0.5
+    return data

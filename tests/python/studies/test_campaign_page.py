@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +16,7 @@ from playwright.sync_api import Browser, Page
 
 from sim_scenarios.studies import page as campaign_page
 from sim_scenarios.studies import table
+from sim_scenarios.studies.findings import found
 from sim_scenarios.studies.statistics import CaseSummary, summarise
 from sim_scenarios.studies.store import State, open_results
 from sim_scenarios.units import ARCMIN
@@ -156,6 +158,16 @@ def test_pictures_and_table_lie_beside_the_page(files: dict[str, str], cases: li
     ]
 
 
+def test_the_page_opens_with_what_was_found(
+    files: dict[str, str], data: xr.Dataset, cases: list[CaseSummary]
+) -> None:
+    text = Path(files["report"]).read_text(encoding="utf-8")
+    said = html.unescape(text.split('<p class="verdict">')[1].split("</p>")[0])
+    assert said == found(data, cases)
+    assert "30 runs failed" in said
+    assert text.index('class="verdict"') < text.index("<form") < text.index("<table")
+
+
 def test_the_page_names_the_command_of_a_run_alone(files: dict[str, str]) -> None:
     text = Path(files["report"]).read_text(encoding="utf-8")
     assert "truenorth compare zigzag --seed 3" in text
@@ -168,8 +180,9 @@ def test_a_campaign_whose_runs_all_failed_has_a_page(data: xr.Dataset, tmp_path:
     assert "<td>5 / 5</td>" in Path(written["report"]).read_text(encoding="utf-8")
 
 
-def test_labels_cannot_end_the_script(data: xr.Dataset, cases: list[CaseSummary], tmp_path: Path) -> None:
+def test_labels_cannot_end_the_script(data: xr.Dataset, tmp_path: Path) -> None:
     sly = data.assign_coords(filter=["</script><b>", "UKF"])
-    text = Path(campaign_page.write(sly, cases[:1], tmp_path)["report"]).read_text(encoding="utf-8")
+    written = campaign_page.write(sly, list(summarise(sly))[:1], tmp_path)
+    text = Path(written["report"]).read_text(encoding="utf-8")
     content = text.split('id="content">')[1].split("</script>")[0]
     assert json.loads(content)["filters"][0] == "</script><b>"

@@ -12,7 +12,6 @@ from scipy import stats
 
 from sim_scenarios.studies import table
 from sim_scenarios.studies.plan import Plan
-from sim_scenarios.studies.quantities import BOUNDED, KEPT, SERIES
 from sim_scenarios.studies.statistics import (
     consistency_course,
     error_course,
@@ -105,46 +104,6 @@ def test_what_the_noise_does_without_the_fault_too_is_no_want_of_recovery() -> N
     for size, expected in ((4.7, 0.0), (4.9, 45.0)):
         faulted = noisy | {"heading_deviation": course(1.0, size, 70, 75)}
         assert recovery_times(RECOVERY_TIME, np.array([30.0]), faulted, noisy) == [expected]
-
-
-@pytest.fixture
-def results() -> xr.Dataset:
-    """One case with filters a and b in four runs, the last of which failed for b."""
-    runs = ("scenario", "filter", "run")
-    data = xr.Dataset(
-        {
-            **{name: ((*runs, "time"), np.ones((1, 2, 4, 3))) for name in SERIES},
-            **{name: (runs, np.ones((1, 2, 4))) for name in KEPT},
-            "state": (runs, np.full((1, 2, 4), State.finished, np.int8)),
-            **{f"{name}_bound": (("scenario", "time"), np.ones((1, 3))) for name in BOUNDED},
-            "heading_bound_rms": ("scenario", [0.5]),
-            "horizontal_bound_rms": ("scenario", [2.0]),
-            "fault_end": (("scenario", "run"), np.full((1, 4), np.nan)),
-        },
-        coords={"scenario": ["case"], "filter": ["a", "b"], "time": [0.0, 1.0, 2.0]},
-        attrs={
-            "plan": '{"reference": null}',
-            "cases": json.dumps(
-                {
-                    "case": {
-                        "attributes": {
-                            "duration": 2.0,
-                            "evaluation.stop": 1.0,
-                            "filter_fmu": "AlignmentFilter",
-                        }
-                    }
-                }
-            ),
-        },
-    )
-    data["state"][0, 1, 3] = State.failed
-    data["hand_over_time"][:] = np.nan
-    data["heading_rmse"][0] = [[1, 1, 1, 7], [3, 3, 3, np.nan]]
-    data["convergence_time"][0] = [[30, 10, np.nan, 20], [np.nan, np.nan, 5, np.nan]]
-    data["claimed_deviation"][0] = [[0.5, 3.1, np.nan, 2.9], [np.nan] * 4]
-    data["success"][0] = [[1, 1, 0, 1], [1, 1, 1, np.nan]]
-    data["heading_sigma"][0, 0, :, 1] = 0.5
-    return data
 
 
 def test_a_summary_counts_what_became_of_the_runs(results: xr.Dataset) -> None:
