@@ -45,7 +45,7 @@ from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Final
 
-from pydantic import BeforeValidator, Field, ValidationError
+from pydantic import BeforeValidator, Field, PrivateAttr, ValidationError
 
 from sim_scenarios import faults, toml
 from sim_scenarios.catalogue import CAMPAIGNS, files, located_filters, scenario_path
@@ -114,6 +114,14 @@ class NamedCase(Table):
     draw: Draws = Field(default={})
 
 
+@dataclass(frozen=True)
+class Source:
+    """File that a plan is of, and what is given in place of what it says."""
+
+    path: Path
+    given: Mapping[str, Any]
+
+
 class Plan(Table):
     """A campaign, as its file says it."""
 
@@ -132,6 +140,7 @@ class Plan(Table):
     grid: Values = Field(default={})
     cases: dict[Label, NamedCase] = Field(default={})
     expect: tuple[Expectations, ...] = ()
+    _source: Source | None = PrivateAttr(default=None)
 
     @property
     def asked(self) -> Asked:
@@ -220,12 +229,43 @@ def load_plan(name: str | Path, **given: Any) -> Plan:
     except ValidationError as error:
         raise InputError("\n".join(_sentence(path or name, e) for e in error.errors())) from None
     if plan.seed + plan.runs - 1 > LARGEST_SEED:
-        raise InputError(f"seed = {plan.seed}: the last of {plan.runs} seeds must not exceed {LARGEST_SEED}")
-    return _overridden(plan, {**(given.get("set") or {}), **(given.get("grid") or {})})
+        raise InputError(
+            f"{path or name}: seed = {plan.seed}: the last of {plan.runs} seeds must not exceed "
+            f"{LARGEST_SEED}"
+        )
+    plan = _overridden(plan, {**(given.get("set") or {}), **(given.get("grid") or {})})
+    plan._source = None if path is None else Source(path, given)
+    return plan
 
 
 def cases(plan: Plan, fmus: Fmus) -> list[Case]:
-    """Every scenario with every named case and every combination of the grid; before faults, without them."""
+    """Every scenario with every named case and every combination of the grid; before faults, without them.
+
+    Raises
+    ------
+    InputError
+        Something cannot be run; under the name of the campaign's file, if that is to blame.
+    """
+    try:
+        return _made(plan, fmus)
+    except InputError as error:
+        if plan._source is None or not _is_of_the_file(str(error), plan._source, fmus):
+            raise
+        raise InputError(f"{plan._source.path}: {error}") from None
+
+
+def _is_of_the_file(said: str, source: Source, fmus: Fmus) -> bool:
+    """Whether the cases of a file that were chosen are refused alike without all else that is given."""
+    if not any(source.given.values()):
+        return True
+    try:
+        _made(load_plan(source.path, cases=source.given.get("cases")), fmus)
+    except InputError as error:
+        return str(error) == said
+    return False
+
+
+def _made(plan: Plan, fmus: Fmus) -> list[Case]:
     named = {**plan.cases} if plan.cases else {"": NamedCase()}
     made: list[Case] = []
     count = len(plan.scenarios) * len(named) * math.prod(map(len, plan.grid.values()))

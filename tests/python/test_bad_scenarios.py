@@ -155,7 +155,7 @@ def test_damaged_scenarios_are_read_or_refused(fmus: Fmus, tmp_path: Path) -> No
     assert len(refusals(lambda path: load_scenario(path, fmus), tmp_path / "ship.toml")) > 50
 
 
-def test_damaged_campaigns_are_read_or_refused(tmp_path: Path) -> None:
+def test_damaged_campaigns_are_read_or_refused(fmus: Fmus, tmp_path: Path) -> None:
     shipped = resources.files("sim_scenarios") / "campaigns" / "heading_unknown.toml"
     (tmp_path / "any.toml").write_bytes(shipped.read_bytes())
-    assert len(refusals(load_plan, tmp_path / "any.toml")) > 50
+    assert len(refusals(lambda path: cases(load_plan(path), fmus), tmp_path / "any.toml")) > 50

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -89,6 +90,8 @@ def test_scenario_files_stand_relative_to_the_campaign(fmus: Fmus, tmp_path: Pat
             "filters.a: the campaign has no scenario wave; did you mean 'waves'?",
         ),
         ('scenarios = ["waves"]\n[cases.a]\nsets = {}', "cases.a.sets: there is no such entry"),
+        ('scenarios = ["waves"]\n[cases.a]\nset = { gnss.rat = 1.0 }', "did you mean 'gnss.rate'"),
+        ('scenarios = ["waves"]\n[draw]\n"gnss.rat" = { choice = [1.0] }', "did you mean 'gnss.rate'"),
     ],
 )
 def test_what_is_refused(fmus: Fmus, tmp_path: Path, content: str, words: str) -> None:
@@ -97,6 +100,29 @@ def test_what_is_refused(fmus: Fmus, tmp_path: Path, content: str, words: str) -
     with pytest.raises(InputError) as refusal:
         cases(load_plan(path), fmus)
     assert words in str(refusal.value)
+    assert str(refusal.value).startswith(f"{path}: ")
+
+
+@pytest.mark.parametrize(
+    ("content", "given", "is_of_the_file"),
+    [
+        ("set = { evror_model = 'large_azimuth' }", {"set": {"duration": 900.0}}, True),
+        ("set = { evror_model = 'large_azimuth' }", {"grid": {"gnss.rate": [1.0]}, "runs": 2}, True),
+        ("set = { evror_model = 'large_azimuth' }", {"set": {"evror_model": "invariant"}}, True),
+        ("", {"set": {"evror_model": "invariant"}}, False),
+        ("", {"grid": {"evror_model": ["invariant"]}}, False),
+        ("", {"filters": ("UFK",)}, False),
+        ("cases.a.set = { evror_model = 1 }\ncases.b.set = { gnss.rat = 1 }", {"cases": ("b",)}, True),
+    ],
+)
+def test_a_refusal_names_the_file_that_is_to_blame(
+    fmus: Fmus, tmp_path: Path, content: str, given: dict[str, Any], is_of_the_file: bool
+) -> None:
+    path = tmp_path / "plan.toml"
+    path.write_text(f'scenarios = ["waves"]\n{content}', encoding="utf-8")
+    with pytest.raises(InputError) as refusal:
+        cases(load_plan(path, **given), fmus)
+    assert str(refusal.value).startswith(f"{path}: ") == is_of_the_file
 
 
 NAMED = """
