@@ -133,6 +133,8 @@ def _read(path: Path, said: Description) -> list[_Read]:
         form = source.format or (None if source.file else said.imu.format)
         columns = _angles_alone(path, said.imu) if name == "imu" and said.accelerometer else source.columns
         if columns is None:
+            if "units" in source.model_fields_set:
+                raise InputError(f"{path}: {name}: units are those of columns: say these too")
             if (file, form) not in whole:
                 whole[file, form] = formats.read(file, form)
             contents = whole[file, form]
