@@ -29,6 +29,7 @@ def import_recording(
     For example:
 
         truenorth import imu.csv.gz gnss.pos.gz
+        truenorth import gyro.csv acc.csv gnss.csv
         truenorth import flight.ulg -o flight/recording.toml
     """
     with refusing_bad_input():

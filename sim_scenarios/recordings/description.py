@@ -11,15 +11,16 @@ import numpy as np
 
 from sim_scenarios import toml
 from sim_scenarios.errors import InputError
-from sim_scenarios.recordings import axes, checks, clocks, fixes, simultaneity, stamps
+from sim_scenarios.recordings import axes, checks, clocks, fixes, halves, simultaneity, stamps
 from sim_scenarios.recordings.order import in_order
-from sim_scenarios.recordings.readers import delimited, formats, sheets
+from sim_scenarios.recordings.readers import delimited, formats, layouts, sheets
 from sim_scenarios.recordings.readers.contents import Axes, Clock, Contents, Inertial
 from sim_scenarios.recordings.sources import Description, GnssSource, ImuSource, Source, describe
 from sim_scenarios.recordings.tables import Array, ImuTable, LeverArms, Recording
 
 TABLES: Final[Mapping[str, tuple[str, Callable[..., Contents]]]] = {
     "imu": ("imu", delimited.imu),
+    "accelerometer": ("accelerometer", delimited.accelerometer),
     "gnss": ("gnss", delimited.gnss),
     "body_velocity": ("body_velocity", delimited.body_velocity),
     "heading": ("heading_aid", delimited.heading),
@@ -130,20 +131,31 @@ def _read(path: Path, said: Description) -> list[_Read]:
             continue
         file = path.parent / (source.file or said.imu.file)
         form = source.format or (None if source.file else said.imu.format)
-        if source.columns is None:
+        columns = _angles_alone(path, said.imu) if name == "imu" and said.accelerometer else source.columns
+        if columns is None:
+            if "units" in source.model_fields_set:
+                raise InputError(f"{path}: {name}: units are those of columns: say these too")
             if (file, form) not in whole:
                 whole[file, form] = formats.read(file, form)
             contents = whole[file, form]
         elif form in (None, "csv"):
             if file not in cells:
                 cells[file] = sheets.read(file)
-            contents = of_cells(cells[file], source.columns, source.units)
+            contents = of_cells(cells[file], columns, source.units)
         else:
             raise InputError(f"{path}: {name}: columns are those of a text file, not of the format {form}")
         if getattr(contents, entry) is None:
             raise InputError(f"{path}: {name}: there is none in {file}")
         read.append(_Read(name, file, source, contents))
     return read
+
+
+def _angles_alone(path: Path, imu: ImuSource) -> layouts.ImuColumns:
+    """Columns of an IMU whose forces stand elsewhere."""
+    columns = imu.columns or layouts.ImuColumns()
+    if "force" in columns.model_fields_set:
+        raise InputError(f"{path}: imu.columns.force: there is a table accelerometer; say one of both")
+    return columns.model_copy(update={"force": layouts.NONE})
 
 
 def _to_body(said: ImuSource, imu: Inertial) -> Array:
@@ -165,9 +177,13 @@ def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_a
     }
     remarks = [remark for one in read for remark in one.contents.remarks]
     remarks += [remark for _, of_table in in_time for remark in of_table]
+    imu = tables.pop("imu")
+    if (accelerometer := tables.pop("accelerometer", None)) is not None:
+        imu, left_out = halves.joined(imu, accelerometer)
+        remarks += [f"{path}: {remark}" for remark in left_out]
     recording = Recording(
         name=name,
-        imu=_increments(tables.pop("imu"), to_body, read[0].path),
+        imu=_increments(imu, to_body, read[0].path),
         lever_arms=lever_arms,
         epoch=clocks.common_epoch(of_tables),
         remarks=tuple(dict.fromkeys(remarks)),

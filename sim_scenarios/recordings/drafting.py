@@ -20,6 +20,7 @@ from sim_scenarios.recordings import (
     forces,
     guessed_tables,
     guesses,
+    halves,
     simultaneity,
     stamps,
     turns,
@@ -58,6 +59,13 @@ class Part:
     def rows(self) -> Any:
         """What was read."""
         return getattr(self.contents, TABLES[self.table][0])
+
+    @property
+    def is_half(self) -> bool:
+        """Whether it is an IMU without forces, or forces without angles."""
+        return self.table == "accelerometer" or (
+            self.table == "imu" and bool(np.isnan(self.rows.force).all())
+        )
 
     @property
     def clock(self) -> Clock:
@@ -101,10 +109,11 @@ def draft(files: Sequence[Path], folder: Path) -> tuple[str, list[str]]:
             raise InputError(f"{path}: has neither an IMU nor an aid that can be recognised")
         found.append(of_file)
     parts, left_out = _chosen(found)
-    if "imu" not in parts:
-        raise InputError(f"{', '.join(map(str, files))}: none has an IMU")
+    _check_imu(parts, files)
     ordered = [parts[table] for table in TABLES if table in parts]
     _guess_clocks(ordered)
+    if "accelerometer" in parts:
+        _join(parts["imu"], parts["accelerometer"])
     _guess_turns(parts["imu"], parts.get("gnss"))
     _guess_axes(parts["imu"], parts.get("gnss"))
     for table in ("gnss", "body_velocity"):
@@ -128,13 +137,48 @@ def _chosen(files: list[list[Part]]) -> tuple[dict[str, Part], list[str]]:
     """
     parts: dict[str, Part] = {}
     left_out = []
-    for of_file in sorted(files, key=lambda of_file: any(part.table == "imu" for part in of_file)):
+    for of_file in sorted(files, key=lambda of_file: max(map(_rank, of_file))):
         for part in of_file:
             if taken := parts.get(part.table):
                 left_out.append(f"{part.table} of {part.path.name}: left out, {taken.path.name} has it too")
             else:
                 parts[part.table] = part
+    if "imu" in parts and not parts["imu"].is_half and (spare := parts.pop("accelerometer", None)):
+        left_out.append(f"accelerometer of {spare.path.name}: left out, {parts['imu'].path.name} has one too")
     return parts, left_out
+
+
+def _rank(part: Part) -> int:
+    """Aids come before IMUs, and those before halves of them."""
+    return 2 if part.is_half else int(part.table == "imu")
+
+
+def _check_imu(parts: dict[str, Part], files: Sequence[Path]) -> None:
+    """Refuse files without an IMU, or with half of one."""
+    half = parts.get("accelerometer") or parts.get("imu")
+    if half is None:
+        raise InputError(f"{', '.join(map(str, files))}: none has an IMU")
+    if half.is_half and len({"imu", "accelerometer"} & set(parts)) == 1:
+        has, lacks = ("angular", "specific forces") if half.table == "imu" else ("force", "angular rates")
+        columns = half.entries[f"columns.{has}"].value
+        raise InputError(
+            f"{half.path}: {', '.join(columns)} are of an IMU, and there are no {lacks} beside them: name "
+            "the file that has them too"
+        )
+
+
+def _join(imu: Part, accelerometer: Part) -> None:
+    """Bring the forces onto the stamps of the angles."""
+    rows = []
+    for part, time in zip(
+        (imu, accelerometer), clocks.on_one_clock([imu.stamps(), accelerometer.stamps()]), strict=True
+    ):
+        once, first = np.unique(time, return_index=True)
+        table = part.rows
+        rows.append(replace(table, time=once, angular=table.angular[first], force=table.force[first]))
+    late = rows[0].time[0] - np.min(imu.stamps().time)
+    joined, _ = halves.joined(*rows)
+    imu.contents = replace(imu.contents, imu=replace(joined, time=joined.time - late))
 
 
 def _parts(path: Path) -> list[Part]:
@@ -162,17 +206,12 @@ def _of_cells(sheet: Sheet) -> list[Part]:
     why = "by their names" if sheet.habits.header else "there is no header: by size and steadiness"
     parts = []
     for table, told in guessed_tables.tables(sheet, columns).items():
-        named = {f"columns.{key}": Guess(_single(value), why) for key, value in told.columns.items()}
+        named = {
+            f"columns.{key}": Guess(_single(value), why) for key, value in told.columns.items() if any(value)
+        }
         units = {f"units.{key}": guess for key, guess in told.units.items()}
         contents = TABLES[table][1](sheet, *told.models())
         parts.append(Part(table, sheet.path, contents, {**named, **units}))
-    if not parts and (half := {"angular", "force"} & set(columns)):
-        (has,) = half
-        lacks = "angular rates" if has == "force" else "specific forces"
-        raise InputError(
-            f"{sheet.path}: {', '.join(columns[has])} are of an IMU, and there are no {lacks} beside them: "
-            "both must stand in one file"
-        )
     return parts
 
 

@@ -67,6 +67,10 @@ def tables(sheet: Sheet, columns: Columns) -> dict[str, Told]:
     found = {}
     if {"angular", "force"} <= set(columns):
         found["imu"] = _imu(sheet, _some(columns, "time", "angular", "force"))
+    elif set(columns) == {"time", "angular"}:
+        found["imu"] = _gyros(sheet, {**columns, "force": layouts.NONE})
+    elif set(columns) == {"time", "force"}:
+        found["accelerometer"] = _accelerometers(sheet, columns)
     solution = "attitude" in columns and not found
     steps = IMU_STEPS if found else SOLUTION_STEPS if solution else AID_STEPS
     unit = {"time": _time(sheet, columns["time"][0], steps)}
@@ -165,8 +169,37 @@ def _imu(sheet: Sheet, columns: Columns) -> Told:
         read.angular[rows] * (1.0 if increments else stamps.intervals(read.time[rows])[:, None]),
         read.force[rows],
     )
-    angular = _angular(columns["angular"][0], raw, read.angular, increments)
+    angular = _angular(columns["angular"][0], raw.time, read.angular, increments, forces.tilts(raw))
     return Told(columns, {"time": time, "angular": angular, "force": force}, kinds)
+
+
+def _gyros(sheet: Sheet, columns: Columns) -> Told:
+    """Angles alone: increments if their name says so."""
+    time = _time(sheet, columns["time"][0], IMU_STEPS)
+    kinds = (layouts.ImuColumns, layouts.ImuUnits)
+    read = delimited.imu(
+        sheet, layouts.ImuColumns.model_validate(columns), layouts.ImuUnits(time=time.value)
+    ).imu
+    assert read is not None
+    name = columns["angular"][0]
+    angular = _angular(name, np.unique(read.time), read.angular, named.is_increment(name))
+    return Told(columns, {"time": time, "angular": angular}, kinds)
+
+
+def _accelerometers(sheet: Sheet, columns: Columns) -> Told:
+    """Forces alone."""
+    time = _time(sheet, columns["time"][0], IMU_STEPS)
+    kinds = (layouts.AccelerometerColumns, layouts.AccelerometerUnits)
+    read = delimited.accelerometer(
+        sheet,
+        layouts.AccelerometerColumns.model_validate(columns),
+        layouts.AccelerometerUnits(time=time.value),
+    ).accelerometer
+    assert read is not None
+    stamps_once, first = np.unique(read.time, return_index=True)
+    mean = forces.mean_size(read.force[first], stamps_once)
+    force = _force(columns["force"][0], mean, stamps.period(stamps_once))
+    return Told(columns, {"time": time, "force": force}, kinds)
 
 
 def _force(name: str, mean: float, period: float) -> Guess:
@@ -188,16 +221,17 @@ def _force(name: str, mean: float, period: float) -> Guess:
     )
 
 
-def _angular(name: str, raw: ImuTable, values: Array, increments: bool) -> Guess:
-    """Degrees or radians; `raw` has angles in the unit of the file."""
+def _angular(
+    name: str, time: Array, values: Array, increments: bool, tilts: forces.Tilts | None = None
+) -> Guess:
+    """Degrees or radians; `tilts` are those with angles in the unit of the file."""
     degrees, radians = ("deg", "rad") if increments else ("deg/s", "rad/s")
     if said := named.unit(name, (degrees, radians)):
         return Guess(said, f"by the name {name}")
-    tilts = forces.tilts(raw)
-    if tilts.correlation > 0.5 and tilts.slope > 0:
+    if tilts is not None and tilts.correlation > 0.5 and tilts.slope > 0:
         unit = degrees if tilts.slope < 1 / 8 else radians
         return Guess(unit, f"the force turns {tilts.slope:.3g} times as far as the numbers say")
-    period = stamps.period(raw.time) if increments else 1.0
+    period = stamps.period(time) if increments else 1.0
     fast = float(np.nanquantile(np.abs(values), 0.999)) / period
     if fast > FASTEST:
         return Guess(degrees, f"{fast:.3g} rad/s would be too fast")

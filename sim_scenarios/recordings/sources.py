@@ -14,8 +14,9 @@
     file = "gnss.pos.gz"
     lever_arm = [-0.05, 0.0, 0.0]
 
-Tables `imu`, `gnss`, `body_velocity`, `heading`, `height`, `reference`, of which the first is needed. Each
-has
+Tables `imu`, `accelerometer`, `gnss`, `body_velocity`, `heading`, `height`, `reference`, of which the first
+is needed. The second is for forces in a file of their own, with stamps of their own: then the first has
+angles alone. Each has
 
     file        relative to the description; that of the IMU where it is left out
     format      where it is not known by the file itself
@@ -102,6 +103,14 @@ class ImuSource(Source):
     mounting: tuple[Vector, Vector, Vector] | None = None
 
 
+class AccelerometerSource(Source):
+    """Forces of an IMU that were recorded apart from its angles, in the same axes."""
+
+    file: Path
+    columns: layouts.AccelerometerColumns = layouts.AccelerometerColumns()
+    units: layouts.AccelerometerUnits = layouts.AccelerometerUnits()
+
+
 class GnssSource(Source):
     """Fixes; sigmas in east, north, up, or one number for all three."""
 
@@ -150,6 +159,7 @@ class Description(_Said):
 
     name: Text = ""
     imu: ImuSource
+    accelerometer: AccelerometerSource | None = None
     gnss: GnssSource | None = None
     body_velocity: BodyVelocitySource | None = None
     heading: HeadingSource | None = None

@@ -76,6 +76,9 @@ class Contents:
     epoch: float = 0.0
     """Stamps count from so many seconds after the clock's beginning: days or weeks, so that none rounds."""
     imu: Inertial | None = None
+    """Forces that stand in a file of their own are not a number here."""
+    accelerometer: Inertial | None = None
+    """Such forces; angles are not a number."""
     gnss: FixTable | None = None
     body_velocity: BodyVelocityTable | None = None
     heading_aid: HeadingTable | None = None

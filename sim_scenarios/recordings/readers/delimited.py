@@ -16,6 +16,8 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.recordings import units as of
 from sim_scenarios.recordings.readers.contents import Contents, Inertial
 from sim_scenarios.recordings.readers.layouts import (
+    AccelerometerColumns,
+    AccelerometerUnits,
     BodyVelocityColumns,
     BodyVelocityUnits,
     GnssColumns,
@@ -47,11 +49,11 @@ MOSTLY: Final = 0.8
 
 
 def imu(sheet: Sheet, columns: ImuColumns, units: ImuUnits) -> Contents:
-    """IMU of a file; every row is a sample."""
+    """IMU of a file, perhaps without its forces; every row is a sample."""
     rates = of.measures(units.angular, of.ANGULAR_RATE)
     angular = of.si(units.angular, {**of.ANGLE, **of.ANGULAR_RATE})
     force = of.si(units.force, {**of.DELTA_VELOCITY, **of.SPECIFIC_FORCE})
-    if rates != of.measures(units.force, of.SPECIFIC_FORCE):
+    if any(columns.force) and rates != of.measures(units.force, of.SPECIFIC_FORCE):
         raise InputError(
             f"{sheet.path}: {units.angular} and {units.force} do not go together: rates are an angular rate "
             "and a specific force, increments an angle and a velocity"
@@ -64,6 +66,16 @@ def imu(sheet: Sheet, columns: ImuColumns, units: ImuUnits) -> Contents:
         increments=not rates,
     )
     return Contents(stamped.clock, stamped.epoch, imu=table, place=_places(sheet, np.arange(len(table.time))))
+
+
+def accelerometer(sheet: Sheet, columns: AccelerometerColumns, units: AccelerometerUnits) -> Contents:
+    """Forces of a file that has no angles; every row is a sample."""
+    force = _matrix(sheet, columns.force) * of.si(units.force, {**of.DELTA_VELOCITY, **of.SPECIFIC_FORCE})
+    stamped = stamps(sheet, columns.time, units.time)
+    increments = of.measures(units.force, of.DELTA_VELOCITY)
+    table = Inertial(stamped.time, np.full_like(force, np.nan), force, increments)
+    places = _places(sheet, np.arange(len(table.time)))
+    return Contents(stamped.clock, stamped.epoch, accelerometer=table, place=places)
 
 
 def gnss(sheet: Sheet, columns: GnssColumns, units: GnssUnits) -> Contents:

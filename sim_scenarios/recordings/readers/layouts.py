@@ -41,6 +41,20 @@ class ImuUnits(_Said):
     force: str = "m/s"
 
 
+class AccelerometerColumns(_Said):
+    """Columns of forces that were recorded apart from the angles."""
+
+    time: Stamps = ("time",)
+    force: Three = three("delta_velocity", "x y z")
+
+
+class AccelerometerUnits(_Said):
+    """Their units."""
+
+    time: str = "s"
+    force: str = "m/s"
+
+
 class GnssColumns(_Said):
     """Columns of fixes: latitude, longitude, height; the rest in east, north, up."""
 

@@ -143,6 +143,44 @@ def test_two_files_with_two_clocks_are_on_one(tmp_path: Path, clock: str) -> Non
     np.testing.assert_allclose(read.gnss.time, WHOLE.gnss.time + 18, atol=2.4e-7)
 
 
+@pytest.mark.parametrize("clock", CLOCKS)
+def test_an_imu_has_any_clock(tmp_path: Path, clock: str) -> None:
+    stamp, said = CLOCKS[clock]
+    cells, fixes = imu_cells(WHOLE.imu), fix_cells(WHOLE.gnss)
+    cells["time"] = [stamp(t) for t in WHOLE.imu.time]
+    fixes["time"] += GPS
+    read = load(
+        write(
+            tmp_path,
+            cells,
+            f'[imu]\nfile = "imu.csv"\ncolumns.time = "time"\n{said}\n{GNSS}clock = "gps"',
+            fixes,
+        )
+    )
+    np.testing.assert_allclose(read.imu.time, WHOLE.imu.time + 18, atol=2.4e-7)
+    np.testing.assert_allclose(read.gnss.time, WHOLE.gnss.time + 18, atol=2.4e-7)
+
+
+@pytest.mark.parametrize(
+    ("clock", "length"), [("gps-week", 604800.0), ("gps-day", 86400.0), ("utc-day", 86400.0)]
+)
+def test_two_files_go_on_together_where_a_week_or_a_day_begins_again(
+    tmp_path: Path, clock: str, length: float
+) -> None:
+    """The fixes begin in the new one."""
+    cells, late = imu_cells(WHOLE.imu), WHOLE.gnss.time >= 30.0
+    fixes = fix_cells(WHOLE.gnss)[late]
+    cells["time"], fixes["time"] = (
+        np.round(length - 20 + table["time"], 6) % length for table in (cells, fixes)
+    )
+    said = f'clock = "{clock}"'
+    read = load(write(tmp_path, cells, f'[imu]\nfile = "imu.csv"\n{said}\n{GNSS}{said}', fixes))
+    assert np.all(np.diff(read.imu.time) > 0)
+    np.testing.assert_allclose(np.diff(read.imu.time), 0.01, atol=1e-9)
+    since = read.gnss.time - read.imu.time[0]
+    np.testing.assert_allclose(since, WHOLE.gnss.time[late] - WHOLE.imu.time[0], atol=1e-9)
+
+
 def test_clocks_that_do_not_meet_are_refused_with_what_would_join_them(tmp_path: Path) -> None:
     cells, fixes = imu_cells(WHOLE.imu), fix_cells(WHOLE.gnss)
     cells["time"] += GPS
@@ -278,6 +316,10 @@ columns = {{ attitude = ["", "pitch", "hdg"], velocity = ["ve", "vn", "vu"] }}
         (
             '[imu]\nfile = "imu.csv"\nformat = "ulog"\ncolumns = { time = 1 }',
             "columns are those of a text file",
+        ),
+        (
+            '[imu]\nfile = "imu.csv"\nunits = { time = "ms" }',
+            "recording.toml: imu: units are those of columns: say these too",
         ),
         ('[imu]\nfile = "imu.csv"\naxes = "FRU"', "recording.toml: imu: axes = 'FRU': is left-handed"),
         (

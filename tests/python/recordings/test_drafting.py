@@ -213,6 +213,31 @@ def test_half_an_imu_is_refused_with_what_it_lacks(tmp_path: Path, kind: str, la
         draft([tmp_path / "half.csv"], tmp_path)
 
 
+def test_two_halves_of_an_imu_are_one(tmp_path: Path) -> None:
+    """At 100 Hz and 50 Hz, as phones log them; fixes tell degrees and which way is ahead."""
+    cells = sensor(FRD, DEGREE, 1.0, GYRO)
+    gyro, force = cells.filter(regex="time|gyro"), cells.filter(regex="time|acc")
+    force = force.rolling(2).mean().assign(time=force["time"])[1::2]
+    files = [tmp_path / f"{name}.csv" for name in ("acc", "gnss", "gyro")]
+    for path, table in zip(files, (force, fix_cells(WHOLE.gnss), gyro), strict=True):
+        table.to_csv(path, index=False)
+    path, told = drafted(tmp_path, *files)
+    assert told["imu"]["file"] == "gyro.csv"
+    assert told["imu"]["columns"] == {"time": "time", "angular": ["gyro_x", "gyro_y", "gyro_z"]}
+    assert told["imu"]["axes"] == "forward-right-down"
+    assert told["imu"]["units"]["angular"] == "deg/s"
+    assert told["accelerometer"]["units"] == {"time": "s", "force": "m/s2"}
+    read = load(path)
+    np.testing.assert_allclose(read.imu.delta_angle, WHOLE.imu.delta_angle, rtol=1e-9, atol=1e-12)
+    pairs = read.imu.delta_velocity.reshape(-1, 2, 3).sum(axis=1)
+    np.testing.assert_allclose(pairs, WHOLE.imu.delta_velocity.reshape(-1, 2, 3).sum(axis=1), atol=1e-9)
+    cells.to_csv(tmp_path / "whole.csv", index=False)
+    text, _ = draft([*files, tmp_path / "whole.csv"], tmp_path)
+    assert "# imu of gyro.csv: left out, whole.csv has it too" in text
+    assert "# accelerometer of acc.csv: left out, whole.csv has one too" in text
+    assert 'file = "whole.csv"' in text
+
+
 def test_vibration_does_not_pass_for_gravity(tmp_path: Path) -> None:
     """White, of 15 m/s2 on each axis, as on a drone: the size of a sample is 25 m/s2."""
     cells = sensor(FLU, 1.0, 1.0, GYRO)

@@ -66,11 +66,13 @@ def test_a_car_finds_its_heading_between_two_stoplights(tmp_path: Path, fmus: Fm
 
 @pytest.mark.parametrize("flight", ["THOR-Flight-79", "FASER-Flight-5", "GPSFASER-Flight-3"])
 def test_rates_of_an_aircraft_are_told_from_degrees_by_its_course(flight: str, tmp_path: Path) -> None:
-    """It turns all the time and its forces tell no tilt: the size of its rates is that of degrees."""
+    """It turns all the time and its forces tell no tilt: the size of its rates is that of degrees.
+
+    Gyros and accelerometers are in two files, as they are, and in one.
+    """
     kinds = ("accel_data", "gyro_data", "gps_traj_data", "gps_velocity_data")
-    accel, gyro, place, velocity = (
-        pd.read_csv(unpacked(f"{FLIGHTS}/{flight}", f"{kind}.txt", tmp_path)) for kind in kinds
-    )
+    files = [unpacked(f"{FLIGHTS}/{flight}", f"{kind}.txt", tmp_path) for kind in kinds]
+    accel, gyro, place, velocity = map(pd.read_csv, files)
     accel.merge(gyro, on="time").to_csv(tmp_path / "imu.csv", index=False)
     fixes = place.merge(velocity, on="time")
     fixes[fixes.drop(columns="time").diff().abs().sum(axis=1) > 0].to_csv(tmp_path / "gnss.csv", index=False)
@@ -78,3 +80,6 @@ def test_rates_of_an_aircraft_are_told_from_degrees_by_its_course(flight: str, t
     assert toml.read(path)["imu"]["units"]["angular"] == "rad/s"
     recording = load(path)
     assert not [doubt for doubt in doubts(replace(recording, remarks=())) if "delta angles" in doubt]
+    halves = load(described([*files[:2], tmp_path / "gnss.csv"], tmp_path))
+    np.testing.assert_array_equal(halves.imu.delta_angle, recording.imu.delta_angle)
+    np.testing.assert_allclose(halves.imu.delta_velocity, recording.imu.delta_velocity, rtol=0, atol=1e-11)

@@ -117,7 +117,8 @@ def handed_as_in(scenario: str, fmus: Fmus) -> dict[str, object]:
 
 
 @pytest.mark.parametrize(
-    ("rate", "grid", "origin"), [(300.0, 1e-6, 0.0), (400.0, 1e-3, 0.0), (1000.0, 2.4e-7, 1.7e9)]
+    ("rate", "grid", "origin"),
+    [(300.0, 1e-6, 0.0), (400.0, 1e-3, 0.0), (187.5, 1e-3, 0.0), (1000.0, 2.4e-7, 1.7e9)],
 )
 def test_coarse_stamps_change_nothing(rate: float, grid: float, origin: float, all_fmus: Fmus) -> None:
     """The same increments with stamps as a logger writes them: no sample is missing, the heading the same.
@@ -125,7 +126,8 @@ def test_coarse_stamps_change_nothing(rate: float, grid: float, origin: float, a
     A stamp that is off by dt carries gravity g dt into the velocity beside a fix of 0.1 m/s: three sigmas of
     the rounding to a grid are allowed, and one part in a hundred besides.
     """
-    settings = {"plant.imu.rate": rate, "communication_step": 1 / rate}
+    fixes = rate / int(rate)
+    settings = {"plant.imu.rate": rate, "plant.gnss.rate": fixes, "communication_step": 1 / rate}
     made = sensed(all_fmus, "swaying_ship", 40.0, settings=settings)
     made = replace(made, reference=None)
     told = {**told_as_in("swaying_ship", all_fmus), **INVARIANT, "coarse.enabled": False}

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from damage import refusals
+from written.kf_gins import written
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers import kf_gins
@@ -32,11 +33,6 @@ def fixes(count: int = 20) -> Array:
         (30 + random.random(count), 114 + random.random(count), 20 + random.random(count))
     )
     return np.column_stack((456250.0 + np.arange(count), place, random.uniform(0.01, 0.05, (count, 3))))
-
-
-def written(path: Path, table: Array) -> Path:
-    path.write_text("\n".join(" ".join(repr(float(x)) for x in row) for row in table) + " \n")
-    return path
 
 
 def test_imu_is_bit_equal(tmp_path: Path) -> None:

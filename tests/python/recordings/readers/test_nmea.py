@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from datetime import datetime, timezone
-from functools import reduce
 from pathlib import Path
 
 import numpy as np
 import pytest
 from damage import refusals
+from written.nmea import gga, place, rmc, sentence, written
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers import nmea
@@ -17,34 +17,6 @@ from sim_scenarios.recordings.readers.contents import Clock
 KNOT = 1852 / 3600  # m/s
 MIDNIGHT = datetime(2025, 3, 1, tzinfo=timezone.utc).timestamp()
 START = 86398.0
-
-
-def sentence(body: str) -> str:
-    return f"${body}*{reduce(lambda a, b: a ^ b, body.encode()):02X}"
-
-
-def angle(degrees: float, width: int) -> str:
-    """[d]ddmm.mmmmmmm."""
-    whole = int(abs(degrees))
-    return f"{whole:0{width}d}{(abs(degrees) - whole) * 60:010.7f}"
-
-
-def place(latitude: float, longitude: float) -> str:
-    south, west = "S" if latitude < 0 else "N", "W" if longitude < 0 else "E"
-    return f"{angle(latitude, 2)},{south},{angle(longitude, 3)},{west}"
-
-
-def gga(time: str, latitude: float, longitude: float, altitude: str = "12.345", geoid: str = "-30.5") -> str:
-    return sentence(f"GPGGA,{time},{place(latitude, longitude)},4,12,0.7,{altitude},M,{geoid},M,1.0,0001")
-
-
-def rmc(time: str, date: str, speed: str = "10.000", course: str = "210.00", status: str = "A") -> str:
-    return sentence(f"GPRMC,{time},{status},{place(-33.5, 151.25)},{speed},{course},{date},,,A")
-
-
-def written(path: Path, *sentences: str) -> Path:
-    path.write_bytes("".join(f"{line}\r\n" for line in sentences).encode())
-    return path
 
 
 def test_an_epoch_is_one_fix(tmp_path: Path) -> None:

@@ -7,59 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from damage import refusals
+from written.novatel import SECONDS, WEEK, best_position, best_velocity, log, raw_imu, short, written
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers import novatel
 from sim_scenarios.recordings.readers.contents import Clock
 from sim_scenarios.units import STANDARD_GRAVITY
-
-WEEK = 2209
-SECONDS = 491674.0
-
-
-def crc(message: str) -> int:
-    """CRC-32 bit by bit, as the manual has it."""
-    value = 0
-    for byte in message.encode():
-        rest = (value ^ byte) & 0xFF
-        for _ in range(8):
-            rest = rest >> 1 ^ (0xEDB88320 if rest & 1 else 0)
-        value = (value >> 8) & 0x00FFFFFF ^ rest
-    return value
-
-
-def log(name: str, fields: str, seconds: float = SECONDS, week: int = WEEK) -> str:
-    message = f"{name}A,COM1,0,65.0,FINESTEERING,{week},{seconds:.3f},02000020,e5fc,16809;{fields}"
-    return f"#{message}*{crc(message):08x}"
-
-
-def short(name: str, fields: str, seconds: float = SECONDS) -> str:
-    message = f"{name}A,{WEEK},{seconds:.3f};{fields}"
-    return f"%{message}*{crc(message):08x}"
-
-
-def raw_imu(imu: int, counts: list[int], seconds: float = SECONDS) -> str:
-    """Order of the manual: Z, -Y, X of the accelerometers, then of the gyros."""
-    x, y, z, turn_x, turn_y, turn_z = counts
-    fields = f"00,{imu},{WEEK},{seconds:.9f},00000077,{z},{-y},{x},{turn_z},{-turn_y},{turn_x}"
-    return short("RAWIMUSX", fields, seconds)
-
-
-def best_position(kind: str = "NARROW_INT", status: str = "SOL_COMPUTED", name: str = "BESTPOS") -> str:
-    fields = (
-        f'{status},{kind},51.5,-114.25,1063.5,-16.25,WGS84,0.02,0.01,0.03,"AAAA",1.0,0.0,8,8,8,8,0,01,0,03'
-    )
-    return log(name, fields)
-
-
-def best_velocity(latency: float = 0.0, kind: str = "DOPPLER_VELOCITY", name: str = "BESTVEL") -> str:
-    return log(name, f"SOL_COMPUTED,{kind},{latency:.3f},0.000,10.0,210.0,0.25,0.0")
-
-
-def written(path: Path, *logs: str) -> Path:
-    path.write_bytes("".join(f"{line}\r\n" for line in logs).encode())
-    return path
-
 
 SAMPLE = [11, -12, 40000, 1, -2, 3]
 

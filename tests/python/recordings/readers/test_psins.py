@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from damage import refusals
 from scipy.io import savemat
+from written.psins import GRAVITY, PERIOD, counted
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers import psins
@@ -15,8 +16,6 @@ from sim_scenarios.recordings.readers.contents import Axes, Clock
 from sim_scenarios.recordings.tables import Array
 
 ARCSEC = np.pi / 180 / 3600
-PERIOD = 0.01
-GRAVITY = 9.780327
 
 
 def increments(count: int = 50, start: float = 0.0) -> Array:
@@ -25,21 +24,6 @@ def increments(count: int = 50, start: float = 0.0) -> Array:
     noise = random.normal(0, 1e-5, (count, 6))
     noise[:, 5] += 9.8 * PERIOD
     return np.column_stack((noise, start + PERIOD * np.arange(count)))
-
-
-def counted(path: Path, counts: Array, start: float = 0.0) -> Path:
-    """A text file as base/io/imufile.m writes it."""
-    end = " 0" if counts.shape[1] == 7 else ""
-    head = [
-        "% PSINS-format SIMU log file. (DO NOT EDIT!)",
-        "%   Conventionally, SIMU is mounted",
-        f"0.000000 0.000000 -90.600000 0.000000 0.000000 0.000000{end}",
-        f"34.24604800 108.90966400 380.000 {start:.8f} {1000 * PERIOD:.8f} {GRAVITY:f}{end}",
-        f"0.100000 0.100000 0.100000 125.000 125.000 125.000{end}",
-        "",
-    ]
-    path.write_text("\n".join(head + [" ".join(str(int(x)) for x in row) for row in counts]) + "\n")
-    return path
 
 
 def counts(columns: int = 6, count: int = 50) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -15,85 +14,32 @@ from sim_scenarios.recordings.readers import ros
 from sim_scenarios.recordings.readers.contents import Axes, Clock
 
 pytest.importorskip("rosbags", reason="reading ROS bags needs rosbags")
-from rosbags import rosbag1, rosbag2
-from rosbags.typesys import Stores, get_typestore
+from written.ros import (
+    FIX,
+    IMU,
+    ODOMETRY,
+    START,
+    TWIST,
+    UNCERTAIN,
+    fix,
+    header,
+    inertial,
+    uncertain_twist,
+    vector,
+    written,
+)
 
-START = 1_625_094_982
-STORES = {version: get_typestore(version) for version in (Stores.ROS1_NOETIC, Stores.ROS2_HUMBLE)}
-Messages = Iterable[tuple[str, str, dict[str, Any]]]
-"""Topics, types, and what differs from nothing."""
 KINDS = ["one.bag", "sqlite", "mcap"]
 
 
-def header(seconds: float, frame: str) -> dict[str, Any]:
-    return {"stamp": {"sec": int(seconds), "nanosec": round(seconds % 1 * 1e9)}, "frame_id": frame}
-
-
-def vector(values: Iterable[float]) -> dict[str, float]:
-    return dict(zip("xyz", values, strict=True))
-
-
-def imu(k: int, frame: str = "imu_link", start: float = START) -> dict[str, Any]:
+def imu(k: int, frame: str = "imu_link", start: int = START) -> dict[str, Any]:
     rates = np.random.default_rng(k).normal(0, 1, 6)
     rates[5] += 9.8
-    turn, force = vector(rates[:3]), vector(rates[3:])
-    return {"header": header(start + 0.25 * k, frame), "angular_velocity": turn, "linear_acceleration": force}
-
-
-def fix(seconds: float, covariance_type: int = 2, status: int = 0) -> dict[str, Any]:
-    covariance = np.diag([0.04, 0.09, 0.16]).ravel()
-    place = {"latitude": 51.5, "longitude": -114.25, "altitude": 1047.25}
-    told = {"position_covariance": covariance, "position_covariance_type": covariance_type}
-    return {"header": header(seconds, "gps"), "status": {"status": status}, **place, **told}
+    return inertial(0.25 * k, rates[:3], rates[3:], frame, start)
 
 
 def twist(seconds: float, frame: str) -> dict[str, Any]:
     return {"header": header(seconds, frame), "twist": {"linear": vector([1.0, 2.0, 3.0])}}
-
-
-def uncertain_twist(seconds: float, frame: str, variance: float = 0.25) -> dict[str, Any]:
-    covariance = np.diag([variance, 1.0, 4.0, 9.0, 9.0, 9.0]).ravel()
-    told = {"twist": {"linear": vector([1.0, 2.0, 3.0])}, "covariance": covariance}
-    return {"header": header(seconds, frame), "twist": told}
-
-
-def made(store: Any, kind: str, values: dict[str, Any]) -> Any:
-    """Message of a type with these values, and nothing elsewhere."""
-    fields = {}
-    for name, (node, detail) in store.fielddefs[kind][1]:
-        if node == 2:
-            fields[name] = made(store, detail, values.get(name, {}))
-        elif node in (3, 4):
-            size = detail[1] if node == 3 else 0
-            default: Any = np.zeros(size, np.float64) if detail[0][0] == 1 else []
-            fields[name] = np.asarray(values[name]) if name in values else default
-        else:
-            fields[name] = values.get(name, "" if detail[0] == "string" else 0)
-    return store.types[kind](**fields)
-
-
-def written(folder: Path, kind: str, messages: Messages) -> Path:
-    path = folder / kind
-    if kind == "one.bag":
-        store = STORES[Stores.ROS1_NOETIC]
-        writer: Any = rosbag1.Writer(path)
-    else:
-        store = STORES[Stores.ROS2_HUMBLE]
-        plugin = rosbag2.StoragePlugin.MCAP if kind == "mcap" else rosbag2.StoragePlugin.SQLITE3
-        writer = rosbag2.Writer(path, version=8, storage_plugin=plugin)
-    with writer:
-        connections: dict[str, Any] = {}
-        for number, (topic, name, values) in enumerate(messages):
-            if topic not in connections:
-                connections[topic] = writer.add_connection(topic, name, typestore=store)
-            message = made(store, name, values)
-            encode = store.serialize_ros1 if kind == "one.bag" else store.serialize_cdr
-            writer.write(connections[topic], START * 10**9 + number, encode(message, name))
-    return path
-
-
-IMU, FIX, ODOMETRY = "sensor_msgs/msg/Imu", "sensor_msgs/msg/NavSatFix", "nav_msgs/msg/Odometry"
-TWIST, UNCERTAIN = "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/TwistWithCovarianceStamped"
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -128,7 +74,7 @@ def test_the_file_of_a_bag_alone(tmp_path: Path, kind: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_fixes(tmp_path: Path, kind: str) -> None:
-    messages = [fix(START), fix(START + 1, covariance_type=0), fix(START + 2, status=-1)]
+    messages = [fix(0), fix(1, covariance_type=0), fix(2, status=-1)]
     contents = ros.read(written(tmp_path, kind, [("/fix", FIX, message) for message in messages]))
     assert contents.gnss is not None
     np.testing.assert_array_equal(contents.gnss.time, [0, 1])
@@ -141,9 +87,9 @@ def test_fixes(tmp_path: Path, kind: str) -> None:
 def test_twists_in_the_frame_of_the_fixes_are_the_receiver_s(tmp_path: Path) -> None:
     """Drivers of receivers say east, north, up in the frame of the antenna; the rest is of the body."""
     messages = [
-        ("/fix", FIX, fix(START)),
-        ("/vel", UNCERTAIN, uncertain_twist(START, "gps")),
-        ("/dvl", TWIST, twist(START, "base_link")),
+        ("/fix", FIX, fix(0)),
+        ("/vel", UNCERTAIN, uncertain_twist(0, "gps")),
+        ("/dvl", TWIST, twist(0, "base_link")),
     ]
     contents = ros.read(written(tmp_path, "mcap", messages))
     assert contents.gnss is not None
@@ -155,7 +101,7 @@ def test_twists_in_the_frame_of_the_fixes_are_the_receiver_s(tmp_path: Path) -> 
 
 
 def test_twists_in_the_map_are_velocities_of_the_antenna(tmp_path: Path) -> None:
-    contents = ros.read(written(tmp_path, "mcap", [("/vel", TWIST, twist(START, "map"))]))
+    contents = ros.read(written(tmp_path, "mcap", [("/vel", TWIST, twist(0, "map"))]))
     assert contents.body_velocity is None
     assert contents.gnss is not None
     np.testing.assert_array_equal(contents.gnss.velocity, [[1, 2, 3]])
@@ -164,12 +110,12 @@ def test_twists_in_the_map_are_velocities_of_the_antenna(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("topic", ["/cmd_vel", "/mavros/setpoint_velocity/out", "/base/velocity_command"])
 def test_what_is_wanted_is_not_what_was_measured(tmp_path: Path, topic: str) -> None:
-    command = (topic, TWIST, twist(START, "base_link"))
-    contents = ros.read(written(tmp_path, "mcap", [("/fix", FIX, fix(START)), command]))
+    command = (topic, TWIST, twist(0, "base_link"))
+    contents = ros.read(written(tmp_path, "mcap", [("/fix", FIX, fix(0)), command]))
     assert contents.body_velocity is None
     [remark] = contents.remarks
     assert f"{topic} is left out: by its name it is a command" in remark
-    measured = ("/dvl", TWIST, twist(START, "base_link"))
+    measured = ("/dvl", TWIST, twist(0, "base_link"))
     (tmp_path / "both").mkdir()
     contents = ros.read(written(tmp_path / "both", "mcap", [command, command, measured]))
     assert contents.body_velocity is not None
@@ -177,7 +123,7 @@ def test_what_is_wanted_is_not_what_was_measured(tmp_path: Path, topic: str) -> 
 
 
 def test_odometry_is_of_the_body(tmp_path: Path) -> None:
-    odometry = [uncertain_twist(START, "odom"), uncertain_twist(START + 1, "odom", variance=0.0)]
+    odometry = [uncertain_twist(0, "odom"), uncertain_twist(1, "odom", (0.0, 1.0, 4.0))]
     contents = ros.read(written(tmp_path, "one.bag", [("/odom", ODOMETRY, message) for message in odometry]))
     assert contents.gnss is None
     assert contents.body_velocity is not None
@@ -205,7 +151,7 @@ def test_frames_with_axes_of_their_own(tmp_path: Path, frame: str, axes: Axes | 
 
 
 def test_the_clock_of_a_simulation(tmp_path: Path) -> None:
-    contents = ros.read(written(tmp_path, "mcap", [("/imu", IMU, imu(k, start=3.0)) for k in range(3)]))
+    contents = ros.read(written(tmp_path, "mcap", [("/imu", IMU, imu(k, start=3)) for k in range(3)]))
     assert contents.clock is Clock.OWN
     assert contents.imu is not None
     np.testing.assert_array_equal(contents.imu.time, [3, 3.25, 3.5])

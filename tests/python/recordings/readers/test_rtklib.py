@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from damage import refusals
+from written.rtklib import ABOVE, HEADER, row, solution, written
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers import rtklib
@@ -16,28 +17,6 @@ from sim_scenarios.recordings.readers.contents import Clock
 from sim_scenarios.units import DEGREE
 
 REAL = Path(os.environ.get("TRUENORTH_RECORDINGS", ""), "car_drive", "gnss.pos.gz")
-ABOVE = "% program   : RTKLIB ver.2.4.3\n% (lat/lon/height=WGS84/ellipsoidal,Q=1:fix,ns=# of satellites)\n%\n"
-HEADER = (
-    "%  {scale}                  latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)"
-    "  sdne(m)  sdeu(m)  sdun(m) age(s)  ratio    vn(m/s)    ve(m/s)    vu(m/s)      sdvn     sdve     sdvu"
-    "    sdvne    sdveu    sdvun\n"
-)
-ROW = (
-    "{stamp}   40.096626800   -7.847448300  1601.4740   {q}  21   0.0098   0.0097   0.0100   0.0000   0.0000"
-    "   0.0000   0.00    2.0    1.25000   -2.50000    0.12500   0.05869  0.05868  0.05867"
-    "  0.00000  0.00000  0.00000\n"
-)
-
-
-def solution(scale: str = "GPST", *stamps: str) -> str:
-    rows = stamps or ("2025/01/01 19:34:18.499", "2025/01/01 19:34:18.749")
-    return ABOVE + HEADER.format(scale=scale) + "".join(ROW.format(stamp=stamp, q=1) for stamp in rows)
-
-
-def written(tmp_path: Path, text: str) -> Path:
-    path = tmp_path / "x.pos"
-    path.write_text(text)
-    return path
 
 
 def test_every_field_is_where_its_name_says(tmp_path: Path) -> None:
@@ -89,7 +68,7 @@ def test_degrees_minutes_seconds(tmp_path: Path) -> None:
 
 
 def test_rows_without_a_solution_are_left_out_and_a_cut_last_line_is(tmp_path: Path) -> None:
-    text = solution() + ROW.format(stamp="2025/01/01 19:34:18.999", q=0) + "2025/01/01 19:34:19.2"
+    text = solution() + row("2025/01/01 19:34:18.999", q=0) + "2025/01/01 19:34:19.2"
     assert len(rtklib.read(written(tmp_path, text)).gnss.time) == 2
 
 
@@ -118,7 +97,7 @@ def test_rows_without_a_solution_are_left_out_and_a_cut_last_line_is(tmp_path: P
             solution().replace("1601.4740", "16o1.4740", 1),
             "line 5: could not convert string to float: '16o1.4740'",
         ),
-        (ABOVE + HEADER.format(scale="GPST") + ROW.format(stamp="2347 1.0", q=0), "has no solution"),
+        (ABOVE + HEADER.format(scale="GPST") + row("2347 1.0", q=0), "has no solution"),
         (solution().replace("   1  21", "   x  21", 1), "line 5: could not convert string to float: 'x'"),
         (solution().replace("19:34:18.499", "19-34"), "line 5: '2025/01/01 19-34' is no time such as"),
         (solution().replace(" 0.05868", "", 1), "line 5: has 23 cells, and the header names 24"),

@@ -3,61 +3,18 @@
 from __future__ import annotations
 
 import struct
-from datetime import datetime, timedelta
 from pathlib import Path
 
 import numpy as np
 import pytest
 from damage import refusals
+from written.ubx import WEEK, frame, precise, pvt, written
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers import ubx
 from sim_scenarios.recordings.readers.contents import Clock
 
 pytest.importorskip("pyubx2", reason="reading UBX needs pyubx2")
-
-LEAP_SECONDS = 18
-WEEK = 2350
-GPS_EPOCH = datetime(1980, 1, 6)
-PLACE = {"lat": -335123456, "lon": 1512543210, "height": -18155}
-MOTION = {"north": -8660, "east": 5000, "down": -250}
-
-
-def frame(number: int, payload: bytes, kind: int = 1) -> bytes:
-    body = bytes((kind, number)) + struct.pack("<H", len(payload)) + payload
-    first = second = 0
-    for byte in body:
-        first = (first + byte) % 256
-        second = (second + first) % 256
-    return b"\xb5b" + body + bytes((first, second))
-
-
-def pvt(
-    tow: int,
-    week: int = WEEK,
-    nano: int = 0,
-    valid: int = 7,
-    fix: int = 3,
-    flags: int = 1,
-    second: int | None = None,
-) -> bytes:
-    """NAV-PVT of a time of the week [ms] with the UTC that goes with it."""
-    utc = GPS_EPOCH + timedelta(weeks=week, milliseconds=tow, seconds=-LEAP_SECONDS)
-    utc += timedelta(milliseconds=500)
-    date = (utc.year, utc.month, utc.day, utc.hour, utc.minute, utc.second if second is None else second)
-    place, motion = (PLACE["lon"], PLACE["lat"], PLACE["height"], 12345), tuple(MOTION.values())
-    payload = struct.pack("<IH5BBIiBBBB", tow, *date, valid, 20, nano, fix, flags, 0, 12)
-    payload += struct.pack("<4iII", *place, 14, 23)
-    payload += struct.pack("<3iiiIIHH4siHH", *motion, 10000, 0, 45, 0, 120, 0, b"", 0, 0, 0)
-    assert len(payload) == 92
-    return frame(0x07, payload)
-
-
-def precise(tow: int, invalid: int = 0) -> bytes:
-    """NAV-HPPOSLLH: 1e-9 deg and 0.1 mm more."""
-    place = (PLACE["lon"], PLACE["lat"], PLACE["height"], 12345)
-    payload = struct.pack("<BHBI4i4bII", 0, 0, invalid, tow, *place, 37, -41, 6, 0, 121, 199)
-    return frame(0x14, payload)
 
 
 def relative(tow: int, flags: int = 0x135, version: int = 1) -> bytes:
@@ -88,11 +45,6 @@ def relative(tow: int, flags: int = 0x135, version: int = 1) -> bytes:
     )
     assert len(payload) == 64
     return frame(0x3C, payload)
-
-
-def written(path: Path, *frames: bytes) -> Path:
-    path.write_bytes(b"".join(frames))
-    return path
 
 
 def test_an_epoch_is_one_fix(tmp_path: Path) -> None:
