@@ -11,6 +11,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Final, NoReturn
 
 import typer
+from rich.cells import cell_len
 from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Table
@@ -159,8 +160,16 @@ def print_table(rows: list[list[str]], output: Console | None = None) -> None:
     Where it is too narrow for that too, every row is a block, a figure a line.
     """
     table = Table(box=None, pad_edge=False)
-    for i, title in enumerate(rows[0]):
-        table.add_column(Text(title), justify="right" if i else "left", no_wrap=bool(i), vertical="bottom")
+    for i, column in enumerate(zip(*rows, strict=True)):
+        # Rich takes a cell of several words for one that may be cut.
+        widest = max(cell_len(line) for cell in column for line in cell.splitlines() or [""])
+        table.add_column(
+            Text(column[0]),
+            justify="right" if i else "left",
+            no_wrap=bool(i),
+            min_width=widest if i else None,
+            vertical="bottom",
+        )
     for row in rows[1:]:
         table.add_row(*map(Text, row))
     page = output or console()
