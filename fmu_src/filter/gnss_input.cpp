@@ -1,6 +1,7 @@
 #include "filter/gnss_input.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace truenorth {
@@ -67,8 +68,13 @@ bool GnssInput::repeats(const GnssFix& fix) const {
     return std::equal(now.begin(), now.end(), before.begin(), same);
 }
 
-GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment& moment, double speed) {
-    sample = arrival_.number(sample, fix.time);
+GnssInput::Verdict GnssInput::read(int sample, const GnssFix& fix, const Moment& moment, double speed,
+                                   bool uncounted) {
+    if (fix.has_channels) {  // whose values are not of the fix
+        sample = arrival_.number(sample, fix.time, std::array{fix.time}, uncounted);
+    } else {
+        sample = arrival_.number(sample, fix.time, components(fix), uncounted);
+    }
     if (sample == seen_) {
         return Verdict::stale;
     }

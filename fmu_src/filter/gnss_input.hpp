@@ -44,8 +44,9 @@ class GnssInput {
 
     void start() { *this = GnssInput{}; }
 
-    // `speed` is that of the vehicle as far as the filter knows [m/s].
-    Verdict read(int sample, const GnssFix& fix, const Moment& moment, double speed = 0.0);
+    // `speed` is that of the vehicle as far as the filter knows [m/s]; `uncounted` as of `Arrival`.
+    Verdict read(int sample, const GnssFix& fix, const Moment& moment, double speed = 0.0,
+                 bool uncounted = false);
 
     [[nodiscard]] Arrival& arrival() { return arrival_; }  // how fixes come
 

@@ -96,6 +96,7 @@ class InertialFilter {
     bool take_sample(const ImuPort& port);
     void tell_of(ImuInput::Verdict verdict, const ImuPort& port);
     void tell_what_is_missing();
+    [[nodiscard]] bool uncounted() { return parameters.imu.each_step || imu_.arrival().by_stamps(); }
     void warn_of_long_interval();
     bool take_aids(bool sampled);
     void watch_for_standstill();

@@ -129,7 +129,8 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, AidMemory& 
     if (status_.faulted()) {
         return false;
     }
-    const int sample = memory.arrival.number(port.sample, port.time);
+    const Eigen::Vector3d measured = Aid::measured(port);
+    const int sample = memory.arrival.number(port.sample, port.time, measured, uncounted());
     if (sample == memory.sample) {
         return false;
     }
@@ -139,7 +140,6 @@ bool InertialFilter<Interface, Engines...>::take_aid(const Aid& aid, AidMemory& 
             return text(Aid::kName, " ", port.sample, " (", Aid::kName, ".time = ", port.time, " s)");
         });
     };
-    const Eigen::Vector3d measured = Aid::measured(port);
     Eigen::Vector3d sigma = Aid::sigma_of(port);
     const auto present = !measured.array().isNaN();
     if (!std::isfinite(port.time) || !present.any() || measured.array().isInf().any() ||

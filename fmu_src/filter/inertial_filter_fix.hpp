@@ -51,7 +51,8 @@ template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::take_fix() {
     const Port& port = inputs.gnss;
     const double speed = outputs.nav.velocity.norm();
-    const auto verdict = gnss_.read(port.sample, fix_at(port), moment(imu_.increment().dt), speed);
+    const auto verdict =
+        gnss_.read(port.sample, fix_at(port), moment(imu_.increment().dt), speed, uncounted());
     const bool came = verdict != GnssInput::Verdict::stale;
     if (verdict == GnssInput::Verdict::accepted) {
         if (waiting_.full()) {

@@ -233,7 +233,8 @@ bool InertialFilter<Interface, Engines...>::watch(const ImuPort& port) {
     if (sample == ImuInput::Verdict::rejected) {
         tell_of(sample, port);
     }
-    const auto verdict = gnss_.read(inputs.gnss.sample, fix_at(inputs.gnss), moment(imu_.increment().dt));
+    const auto verdict =
+        gnss_.read(inputs.gnss.sample, fix_at(inputs.gnss), moment(imu_.increment().dt), 0.0, uncounted());
     if (verdict == GnssInput::Verdict::accepted) {
         return filled(fix_at(inputs.gnss)).complete();
     }
@@ -368,7 +369,8 @@ void InertialFilter<Interface, Engines...>::tell_of(ImuInput::Verdict verdict, c
 // What is not connected, as far as that shows; once of each port.
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::tell_what_is_missing() {
-    constexpr double kPatience = 1.0;  // [s]
+    constexpr double kPatience = 1.0;           // [s]
+    constexpr double kPatienceForFixes = 10.0;  // [s]
     if (!log_->listens()) {
         return;
     }
@@ -389,6 +391,12 @@ void InertialFilter<Interface, Engines...>::tell_what_is_missing() {
     if (!imu_.arrival().any() && imu_.silent_for() > kPatience && imu_.arrival().tell()) {
         log_->event(text("neither imu.sample nor imu.time has changed for ", kPatience,
                          " s: no IMU data are taken until one does; connect one, or set imu.each_step"));
+    }
+    if (!gnss_.arrival().any() && outputs.status == Interface::Status::waiting &&
+        clock_ - gnss_used_ > kPatienceForFixes && gnss_.arrival().tell()) {
+        log_->event(text(uncounted() ? "neither gnss.sample nor gnss.time has changed for "
+                                     : "gnss.sample has not changed for ",
+                         kPatienceForFixes, " s: no fix has come"));
     }
 }
 

@@ -1,6 +1,7 @@
 // Ports of which not everything is connected.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 #include "components/alignment_filter.hpp"
@@ -18,7 +19,10 @@ constexpr double kSeconds = 30.0;
 // Leaves things out of what the filter is fed; `change` sees the ports before every step. In the first one
 // nothing has been put out.
 void run(FedFilter& fed, const std::function<void(FedFilter&)>& change) {
-    const Trial trial;
+    Trial trial;
+    trial.fix_noise = [](int second) {
+        return Eigen::Vector3d(0.02 * std::sin(second), 0.02 * std::cos(second), 0.0);
+    };
     trial.start(fed);
     FedFilter source;
     trial.start(source);
@@ -109,24 +113,57 @@ TEST(AlignmentFilterFeed, OfTheFirstStampIsNoMeasurement) {
     EXPECT_EQ(twice.filter.outputs.rejected_samples, 0);
 }
 
+// Of which nobody knows more than that its count, beside one that goes on, stays where it is.
+TEST(AlignmentFilterFeed, OfACountThatStaysAtZeroBesideThatOfTheImuIsNoMeasurement) {
+    FedFilter fed;
+    fed.filter.parameters.measurement.heading_aid_sigma = 0.5 * kDegree;
+    run(fed, [](FedFilter& f) {
+        f.filter.inputs.gnss = {};
+        f.filter.inputs.gnss.time = f.next;
+        f.filter.inputs.gnss.velocity.setConstant(0.001 * f.next);
+        f.filter.inputs.heading_aid = {};
+        f.filter.inputs.heading_aid.time = f.next;
+        f.filter.inputs.heading_aid.heading = 1e-3 * f.next;
+    });
+    EXPECT_EQ(fed.filter.outputs.used_fixes, 0);
+    EXPECT_EQ(fed.filter.outputs.rejected_fixes, 0);
+    EXPECT_EQ(fed.filter.outputs.aid.heading_aid.used, 0);
+    EXPECT_EQ(fed.filter.outputs.status, Status::waiting);
+    EXPECT_EQ(fed.log.with("gnss.sample has not changed for 10 s: no fix has come"), 1);
+    EXPECT_EQ(fed.log.lines.size(), 1U);
+}
+
+TEST(AlignmentFilterFeed, WithoutCountsTakesNothingThatIsHeld) {
+    FedFilter fed;
+    run(fed, [](FedFilter& f) {
+        f.filter.inputs.imu.sample = 0;
+        f.filter.inputs.gnss.sample = 0;
+        f.filter.inputs.gnss.time = f.next;
+        f.filter.inputs.gnss.velocity.setZero();
+    });
+    EXPECT_EQ(fed.filter.outputs.used_fixes, 1);  // the place, when it comes first
+    EXPECT_EQ(fed.filter.outputs.rejected_fixes, 0);
+}
+
 TEST(AlignmentFilterFeed, OfAnAidWithoutACountIsTaken) {
-    const auto used = [](int sample) {
+    const auto used = [](bool counted) {
         FedFilter fed;
         fed.filter.parameters.measurement.heading_aid_sigma = 0.5 * kDegree;
         std::decay_t<decltype(fed.filter.inputs.heading_aid)> aid;
-        run(fed, [&aid, sample](FedFilter& f) {
+        run(fed, [&aid, counted](FedFilter& f) {
             if (f.next > aid.time + 0.999) {
                 aid.time = f.next;
-                aid.heading = 0.7;
-                aid.sample += sample;
+                aid.heading = 0.7 + 1e-4 * f.next;
+                aid.sample += counted ? 1 : 0;
             }
             f.filter.inputs.heading_aid = aid;
+            f.filter.inputs.imu.sample *= counted ? 1 : 0;
         });
-        EXPECT_EQ(fed.log.with("heading_aid.sample stays 0"), sample == 0 ? 1 : 0);
+        EXPECT_EQ(fed.log.with("heading_aid.sample stays 0"), counted ? 0 : 1);
         return fed.filter.outputs.aid.heading_aid.used;
     };
-    EXPECT_GT(used(1), 20);
-    EXPECT_EQ(used(0), used(1));
+    EXPECT_GT(used(true), 20);
+    EXPECT_EQ(used(false), used(true));
 }
 
 }  // namespace

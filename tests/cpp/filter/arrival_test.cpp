@@ -54,6 +54,30 @@ TEST(ArrivalTest, OfACountThatBeginsAtZeroLosesNoMeasurement) {
     EXPECT_EQ(arrival.number(std::numeric_limits<int>::max(), 0.4), std::numeric_limits<int>::min());
 }
 
+TEST(ArrivalTest, OfAFixIsByStampsBesideAnUncountedImuAlone) {
+    Arrival arrival;
+    const Vector3d value(1.0, 2.0, 3.0);
+    double stamp = 0.0;
+    for (int k = 0; k < 5; ++k) {
+        EXPECT_EQ(arrival.number(0, stamp += 0.1, value * k, false), 0);
+    }
+    EXPECT_FALSE(arrival.any());
+    EXPECT_EQ(arrival.number(0, stamp += 0.1, value, true),
+              0);  // of what lies there at the start nobody knows
+    EXPECT_EQ(arrival.number(0, stamp += 0.1, 2.0 * value, true), 1);
+    EXPECT_EQ(arrival.number(3, stamp += 0.1, 3.0 * value, true), 4);
+}
+
+TEST(ArrivalTest, OfAFixThatIsHeldIsNotNewWhateverItsStamp) {
+    Arrival arrival;
+    const Vector3d value(1.0, kNaN, 3.0);
+    EXPECT_EQ(arrival.number(0, 0.1, value, true), 0);
+    EXPECT_EQ(arrival.number(0, 0.2, value, true), 0);
+    EXPECT_EQ(arrival.number(0, 0.3, 2.0 * value, true), 1);
+    EXPECT_EQ(arrival.number(0, 0.4, 2.0 * value, true), 1);
+    EXPECT_EQ(arrival.number(0, 0.5, value, true), 2);
+}
+
 TEST(ArrivalTest, IsToldOnce) {
     Arrival arrival;
     EXPECT_TRUE(arrival.tell());
@@ -79,16 +103,32 @@ TEST(ArrivalTest, OfAnUncountedImuIsAsIfItCounted) {
     EXPECT_EQ(stamped.missed(), counted.missed());
 }
 
-TEST(ArrivalTest, OfUncountedFixesIsNewWhatHasANewStamp) {
+TEST(ArrivalTest, OfUncountedFixesIsNewWhatHasANewStampAndNewValues) {
     GnssInput input;
     input.start();
     const StampClock::Moment now{.now = 10.0, .offset = 0.0, .slack = 0.01, .oldest = 0.0};
     GnssFix fix;
     fix.position.latitude = 0.5;
-    EXPECT_EQ(input.read(0, fix, now), GnssInput::Verdict::stale);
+    EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::stale);
     fix.time = 9.0;
-    EXPECT_EQ(input.read(0, fix, now), GnssInput::Verdict::accepted);
-    EXPECT_EQ(input.read(0, fix, now), GnssInput::Verdict::stale);
+    EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::stale);
+    fix.position.latitude = 0.500001;
+    EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::stale);  // the stamp has been seen
+    fix.time = 9.5;
+    fix.position.latitude = 0.500002;
+    EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::accepted);
+    EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::stale);
+}
+
+TEST(ArrivalTest, OfChannelsIsNewWhatHasANewStamp) {
+    GnssInput input;
+    input.start();
+    const StampClock::Moment now{.now = 10.0, .offset = 0.0, .slack = 0.01, .oldest = 0.0};
+    GnssFix fix;
+    fix.has_channels = true;
+    EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::stale);
+    fix.time = 9.0;
+    EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::accepted);
 }
 
 }  // namespace
