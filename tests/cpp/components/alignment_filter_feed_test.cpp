@@ -64,7 +64,8 @@ TEST(AlignmentFilterFeed, WithoutCountsAndStampsWaitsAndSaysSo) {
     });
     EXPECT_EQ(fed.filter.outputs.status, Status::waiting);
     EXPECT_EQ(fed.log.with("neither imu.sample nor imu.time has changed for 1 s"), 1);
-    EXPECT_EQ(fed.log.lines.size(), 1U);
+    EXPECT_EQ(fed.log.with("gnss.sample has not changed for 10 s: no fix has come"), 1);
+    EXPECT_EQ(fed.log.lines.size(), 2U);
 }
 
 // The step is the interval; the increments of a row are those until its time, as a Jacobi master passes them.

@@ -113,9 +113,11 @@ TEST(ArrivalTest, OfUncountedFixesIsNewWhatHasANewStampAndNewValues) {
     fix.time = 9.0;
     EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::stale);
     fix.position.latitude = 0.500001;
+    EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::accepted);
+    fix.position.latitude = 0.500002;
     EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::stale);  // the stamp has been seen
     fix.time = 9.5;
-    fix.position.latitude = 0.500002;
+    fix.position.latitude = 0.500003;
     EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::accepted);
     EXPECT_EQ(input.read(0, fix, now, 0.0, true), GnssInput::Verdict::stale);
 }
