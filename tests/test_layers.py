@@ -79,14 +79,18 @@ ABOVE_STUDIES = {"__init__.py", "cli", "papers", "studies"}
 
 
 def imported(text: str, package: str) -> set[str]:
-    """What a module imports from a package: its modules, and what the package itself offers, by name."""
-    within, found = ".".join(filter(None, ("sim_scenarios", package))), set()
+    """What a module imports from a package: its modules, and what the package itself offers, by name.
+
+    The package as a whole is found by the name of the outermost one.
+    """
+    within, dotted = ".".join(filter(None, ("sim_scenarios", package))), set()
     for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.ImportFrom) and node.module == within:
-            found |= {name.name for name in node.names}
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{within}."):
-            found.add(str(node.module).removeprefix(f"{within}."))
-    return found
+        if isinstance(node, ast.Import):
+            dotted |= {name.name for name in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            dotted |= {f"{node.module}.{name.name}" for name in node.names}
+    inside = [name for name in dotted if f"{name}.".startswith(f"{within}.")]
+    return {name.removeprefix(f"{within}.").partition(".")[0] for name in inside}
 
 
 def source(*parts: str) -> str:
@@ -123,5 +127,9 @@ def test_an_import_against_the_order_is_found() -> None:
     assert imported("def f():\n    from sim_scenarios.studies.plan import Plan", "studies") == {"plan"}
     assert imported("from sim_scenarios.scenario import load_scenario", "scenario") == {"load_scenario"}
     assert imported("from sim_scenarios.scenarios import it", "scenario") == set()
+    assert imported("import sim_scenarios.studies.page as it", "studies") == {"page"}
+    assert imported("import sim_scenarios.studies", "studies") == {"sim_scenarios"}
+    assert imported("from sim_scenarios import studies", "studies") == {"sim_scenarios"}
+    assert imported("import sim_scenarios.studies.page", "") == {"studies"}
     both = "from sim_scenarios import fmus\nfrom sim_scenarios.toml import read"
     assert imported(both, "") == {"fmus", "toml"}
