@@ -100,7 +100,77 @@ def test_expectations_that_are_missed_are_counted(sound: xr.Dataset) -> None:
 
 def test_no_run_that_was_finished_is_told(sound: xr.Dataset) -> None:
     sound["state"][:] = State.failed
-    assert said(sound) == "8 of 8 runs failed, 4 of them of 'a'. No filter reported convergence."
+    assert said(sound) == ("Every run failed, 8 of 8. Whether a filter reported convergence is not known.")
+
+
+def test_filters_that_failed_as_often_are_named_together(sound: xr.Dataset) -> None:
+    sound["state"][0, :, 3] = State.failed
+    assert "2 of 8 runs failed, 1 of them of each of 'a' and 'b'." in said(sound)
+
+
+def test_without_runs_there_is_nothing_to_tell(sound: xr.Dataset) -> None:
+    sound["state"][:] = State.missing
+    assert said(sound) == "There are no runs yet."
+
+
+def test_one_run_tells_a_share_and_no_more(sound: xr.Dataset) -> None:
+    sound["wrongly_sure_time"][0, 1] = 2.0
+    text = said(sound.isel(run=[0]))
+    assert "'b' was wrongly sure for 2.00 % of the converged time: one run tells no more." in text
+    assert "chance" not in text
+    sound["sure_time"][0, 1, 1:] = 0.0
+    sound["wrongly_sure_time"][0, 0] = [50.0, 40.0, 45.0, 45.0]
+    text = said(sound)
+    assert "'a' was wrongly sure by more than chance, for 45.0 % (" in text
+    assert "; 'b' was wrongly sure for 2.00 % of the converged time: one run tells no more." in text
+
+
+def test_a_filter_of_which_certainty_is_not_known_is_not_called_right(sound: xr.Dataset) -> None:
+    sound["wrongly_sure_time"][0, 1] = np.nan
+    assert "No filter was wrongly sure by more than chance; of 'b' it is not known." in said(sound)
+    sound["wrongly_sure_time"][:] = np.nan
+    assert said(sound).endswith("Whether a filter was wrongly sure is not known.")
+
+
+def test_what_stopped_is_not_known_to_be_unsure(sound: xr.Dataset) -> None:
+    sound["sure_time"][:] = 0.0
+    sound["state"][0, 1] = State.failed
+    assert "No filter reported convergence in a run that finished." in said(sound)
+
+
+def test_what_is_left_of_failed_runs_is_not_the_best(sound: xr.Dataset) -> None:
+    sound["state"][0, 0, 1:] = State.failed
+    assert said(sound).startswith("'b' alone has an RMSE of heading of every run, 30.1 arcmin (")
+    three = xr.concat([sound, sound.isel(filter=[1])], "filter", data_vars="minimal")
+    three = three.assign_coords(filter=list("abc"))
+    three["heading_rmse"][0, 2] *= 2
+    assert said(three).startswith(
+        "Of 2 filters with an RMSE of every run 'b' has the smallest RMSE of heading, 30.1 arcmin ("
+    )
+    text = said(several(three, three))
+    assert "'b' has the smallest RMSE, or one that cannot be told from it, in 2 of 2 cases, of the" in text
+    assert "of the filters with one of every run." in text
+
+
+def test_where_all_failed_in_some_run_what_is_left_is_told_so(sound: xr.Dataset) -> None:
+    sound["state"][0, 0, 1:] = State.failed
+    sound["state"][0, 1, 3] = State.failed
+    left = "'a' has the smallest RMSE of heading, over the runs that have one, 10.0 arcmin"
+    assert left in said(sound)
+    assert "in 2 of 2 cases; in 2 no filter has one of every run." in said(several(sound, sound))
+
+
+def test_a_filter_without_a_figure_is_named(sound: xr.Dataset) -> None:
+    sound["heading_rmse"][0, 1] = np.nan
+    assert said(sound).startswith("'a' alone has an RMSE of heading, 10.0 arcmin (")
+    assert "; 'b' has none. None of 8" in said(sound)
+    other = sound.copy(deep=True)
+    other["heading_rmse"][0, 1] = 90 * ARCMIN
+    text = said(several(sound, other))
+    assert "'a' has the smallest RMSE, or one that cannot be told from it, in 2 of 2 cases" in text
+    assert "; 'b' has none in some of them." in text
+    sound["heading_rmse"][:] = np.nan
+    assert said(sound).startswith("None of 8 runs failed.")
 
 
 def test_a_sentence_does_not_list_many(sound: xr.Dataset) -> None:
