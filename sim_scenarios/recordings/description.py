@@ -61,6 +61,10 @@ class _Read:
     def epoch(self) -> float:
         return clocks.begins(self.contents.epoch, self.contents.clock, self.clock)
 
+    @property
+    def where(self) -> str:
+        return f"{self.path}, {self.name}"
+
     def place(self, row: int) -> str:
         return f"{self.path}: {self.contents.place(TABLES[self.name][0], row)}"
 
@@ -166,8 +170,9 @@ def _to_body(said: ImuSource, imu: Inertial) -> Array:
 
 def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_arms: LeverArms) -> Recording:
     in_time = [_in_order(one) for one in read]
+    told = {one.name: _told_offset(one, read[0].source) for one in read}
     of_tables = [
-        clocks.Stamps(f"{one.path}, {one.name}", one.clock, one.epoch, table.time, _told_offset(one))
+        clocks.Stamps(one.where, one.clock, one.epoch, table.time, told[one.name])
         for one, (table, _) in zip(read, in_time, strict=True)
     ]
     times = clocks.on_one_clock(of_tables)
@@ -179,7 +184,8 @@ def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_a
     remarks += [remark for _, of_table in in_time for remark in of_table]
     imu = tables.pop("imu")
     if (accelerometer := tables.pop("accelerometer", None)) is not None:
-        imu, left_out = halves.joined(imu, accelerometer)
+        where = {one.name: one.where for one in read}
+        imu, left_out = halves.joined(imu, accelerometer, (where["imu"], where["accelerometer"]))
         remarks += [f"{path}: {remark}" for remark in left_out]
     recording = Recording(
         name=name,
@@ -191,27 +197,32 @@ def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_a
     )
     checks.refuse(recording, path)
     moved = next((one.name for one in read if one.source.offset == FOUND), None)
-    told = {one.name: _told_offset(one) for one in read}
+    own = {one.name: told[one.name] for one in read if one.name == "imu" or _is_half_with_offset(one)}
     said = next((s.velocity_offset for one in read if isinstance(s := one.source, GnssSource)), 0.0)
-    return _simultaneous(recording, moved, told["imu"], said)
+    return _simultaneous(recording, moved, own, said)
 
 
-def _told_offset(one: _Read) -> float:
-    if one.source.offset != FOUND:
-        return float(one.source.offset)
-    if one.name in ("imu", "gnss"):
+def _told_offset(one: _Read, imu: Source) -> float:
+    """Seconds to add; accelerometers without an offset of their own have that of their IMU."""
+    source = imu if one.name == "accelerometer" and not _is_half_with_offset(one) else one.source
+    if source.offset != FOUND:
+        return float(source.offset)
+    if source is imu or one.name == "gnss":
         return 0.0
-    raise InputError(
-        f"{one.path}, {one.name}: offset = '{FOUND}': it is found of the IMU or of the fixes alone"
-    )
+    raise InputError(f"{one.where}: offset = '{FOUND}': it is found of the IMU or of the fixes alone")
+
+
+def _is_half_with_offset(one: _Read) -> bool:
+    return one.name == "accelerometer" and "offset" in one.source.model_fields_set
 
 
 def _simultaneous(
-    recording: Recording, moved: str | None, told: float, told_of_velocities: float
+    recording: Recording, moved: str | None, told: Mapping[str, float], told_of_velocities: float
 ) -> Recording:
     """Recording of which IMU or fixes are moved so that one goes with the other; else what would is said.
 
-    `told` is the offset of the IMU that the description has [s], and of velocities their own.
+    `told` are the offsets that the description has [s] of the IMU and, if they have their own, of its
+    accelerometers; and of velocities their own.
     """
     gnss = recording.gnss
     if gnss is None:
@@ -232,9 +243,9 @@ def _simultaneous(
             )
             said.append(f"{moved}: offset = '{FOUND}': how IMU and fixes move shows {shown}; stamps stay")
         return replace(recording, remarks=(*recording.remarks, *said))
-    late = (
-        f"imu: its samples go with the fixes with offset = {told + lag.value:.3f} (sigma {lag.sigma:.2g} s)"
-    )
+    offsets = [f"offset = {offset + lag.value:.3f}" for offset in told.values()]
+    with_offsets = " and its accelerometers with ".join(offsets)
+    late = f"imu: its samples go with the fixes with {with_offsets} (sigma {lag.sigma:.2g} s)"
     if moved is None:
         ahead = "" if any(recording.lever_arms.gnss) else ", if the lever arm, which is 0 here, is right"
         said.append(f"{late}; say so, or offset = '{FOUND}'{ahead}")

@@ -176,8 +176,9 @@ def _join(imu: Part, accelerometer: Part) -> None:
         once, first = np.unique(time, return_index=True)
         table = part.rows
         rows.append(replace(table, time=once, angular=table.angular[first], force=table.force[first]))
-    late = rows[0].time[0] - np.min(imu.stamps().time)
-    joined, _ = halves.joined(*rows)
+    gyros, accelerometers = rows
+    late = gyros.time[0] - np.min(imu.stamps().time)
+    joined, _ = halves.joined(gyros, accelerometers, (str(imu.path), str(accelerometer.path)))
     imu.contents = replace(imu.contents, imu=replace(joined, time=joined.time - late))
 
 

@@ -11,23 +11,32 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings import stamps
 from sim_scenarios.recordings.readers.contents import Inertial
 from sim_scenarios.recordings.tables import Array
 
+Flags = NDArray[np.bool_]
+
 ROUNDING: Final = 1e-6
 """Of stamps [s]."""
+HARDLY: Final = 0.01
+"""Share of the samples of a half that must have been measured with the other: a wrong unit leaves less."""
 
 
-def joined(gyros: Inertial, accelerometers: Inertial) -> tuple[Inertial, list[str]]:
+def joined(
+    gyros: Inertial, accelerometers: Inertial, where: tuple[str, str] = ("imu", "accelerometer")
+) -> tuple[Inertial, list[str]]:
     """One IMU of its two halves.
 
     Parameters
     ----------
     gyros, accelerometers : Inertial
         With increasing stamps on one clock; of the first the angular part counts, of the second the forces.
+    where : tuple of str
+        From where they are, for sentences on what is wrong.
 
     Returns
     -------
@@ -39,12 +48,13 @@ def joined(gyros: Inertial, accelerometers: Inertial) -> tuple[Inertial, list[st
     Raises
     ------
     InputError
-        If the accelerometers have fewer than two samples.
+        If one of them has fewer than two samples, or they were hardly measured together.
     """
     known = np.isfinite(accelerometers.force).all(axis=1)
     time, force = accelerometers.time[known], accelerometers.force[known]
-    if len(time) < 2:
-        raise InputError(f"accelerometer: has {len(time)} samples; an alignment needs many")
+    for half, of_half in zip(where, (gyros.time, time), strict=True):
+        if len(of_half) < 2:
+            raise InputError(f"{half}: has {len(of_half)} samples; an alignment needs many")
     begin, gyros_begin = _begin(time), _begin(gyros.time)
     covers, gyros_cover = (time - begin)[:, None], gyros.time - gyros_begin
     parts = np.hstack((force if accelerometers.increments else force * covers, covers))
@@ -58,12 +68,33 @@ def joined(gyros: Inertial, accelerometers: Inertial) -> tuple[Inertial, list[st
     angle = gyros.angular if gyros.increments else gyros.angular * gyros_cover[:, None]
     imu = replace(gyros, time=gyros.time[both], angular=angle[both], force=grown[both, :3], increments=True)
     outside = (time <= gyros_begin[0] + ROUNDING) | (begin >= gyros.time[-1] - ROUNDING)
-    left_out = {"gyros": np.count_nonzero(~both), "accelerometers": np.count_nonzero(outside)}
+    if np.count_nonzero(both) < 2 or min(both.mean(), 1 - outside.mean()) < HARDLY:
+        raise InputError(_hardly_together(where, (gyros.time, time), (both, ~outside)))
+    left_out = {"gyros": ~both, "accelerometers": outside}
     return imu, [
-        f"{count} samples of the {half} were left out: the other half of the IMU was not measured then"
-        for half, count in left_out.items()
-        if count
+        f"{np.count_nonzero(out)} samples of the {half}{_most(out)} were left out: the other half of the IMU "
+        "was not measured then"
+        for half, out in left_out.items()
+        if out.any()
     ]
+
+
+def _hardly_together(
+    where: tuple[str, str], times: tuple[Array, Array], together: tuple[Flags, Flags]
+) -> str:
+    """What is wrong with two halves of which one, named first, is too short or of another time."""
+    short, long = sorted(zip(where, times, together, strict=True), key=lambda half: float(np.ptp(half[1])))
+    measured = [f"{time[0]:.10g} to {time[-1]:.10g} s" for _, time, _ in (short, long)]
+    kept = [f"{np.count_nonzero(both)} of {len(both)} samples" for *_, both in (short, long)]
+    return (
+        f"{short[0]}: was measured from {measured[0]}, and {long[0]} from {measured[1]}: {kept[0]} and "
+        f"{kept[1]} were measured together, and an alignment needs many; is the file too short, or the "
+        "unit of its time another?"
+    )
+
+
+def _most(out: Flags) -> str:
+    return f", {out.mean():.0%} of them all," if out.mean() > 0.5 else ""
 
 
 def _begin(time: Array) -> Array:

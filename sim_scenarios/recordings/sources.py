@@ -24,7 +24,8 @@ angles alone. Each has
     units       of these columns; those of the angular column decide between rates and increments
     clock       gps, unix, gps-week, gps-day, utc-day, own
     offset      seconds to add to its stamps; of the IMU or of the fixes "found": those with which one goes
-                with the other, see `recordings.simultaneity`
+                with the other, see `recordings.simultaneity`; that of `imu` holds for `accelerometer` too,
+                unless that has its own
     stamps      "recorded"; "sorted": brought in order; "steady": moved onto the sensor's own steady clock
 
 of fixes `velocity_offset`, the seconds from a stamp to when its velocity held: receivers that smooth it have

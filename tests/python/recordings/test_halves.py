@@ -124,6 +124,21 @@ def test_each_has_a_clock_of_its_own(ship: Recording, tmp_path: Path) -> None:
     np.testing.assert_allclose(read.imu.delta_velocity, ship.imu.delta_velocity, rtol=0, atol=10 * 6e-11)
 
 
+def test_an_offset_of_the_imu_is_of_both_halves_unless_one_has_its_own(
+    ship: Recording, tmp_path: Path
+) -> None:
+    gyros, forces = (half.assign(time=half.time + 0.3) for half in increments(ship))
+    toml = INCREMENTS.replace('"gyro.csv"', '"gyro.csv"\noffset = -0.3')
+    read = load_recording(written(tmp_path, gyros, forces, ship, toml))
+    np.testing.assert_allclose(read.imu.time, ship.imu.time, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(read.imu.delta_velocity, ship.imu.delta_velocity, rtol=0, atol=1e-11)
+    assert not read.remarks
+    own = toml.replace('"acc.csv"', '"acc.csv"\noffset = 0.0')
+    read = load_recording(written(tmp_path, gyros, increments(ship)[1], ship, own))
+    np.testing.assert_allclose(read.imu.delta_velocity, ship.imu.delta_velocity, rtol=0, atol=1e-11)
+    assert not read.remarks
+
+
 IRREGULAR = np.cumsum(np.random.default_rng(1).integers(1, 4, 12_000))
 
 
@@ -185,6 +200,12 @@ def test_what_one_half_alone_measured_is_left_out_and_told(ship: Recording, tmp_
     assert read.remarks == (f"{path}: 300 {words.replace('gyros', 'accelerometers')}",)
 
 
+def test_that_most_of_a_half_is_left_out_is_told(ship: Recording, tmp_path: Path) -> None:
+    gyros, forces = increments(ship)
+    read = load_recording(written(tmp_path, gyros[:600], forces, ship, INCREMENTS))
+    assert " samples of the accelerometers, 90% of them all, were left out" in read.remarks[0]
+
+
 def test_halves_that_make_no_imu_are_refused(ship: Recording, tmp_path: Path) -> None:
     gyros, forces = increments(ship)
     path = written(tmp_path, gyros, forces[:1], ship, INCREMENTS)
@@ -193,6 +214,12 @@ def test_halves_that_make_no_imu_are_refused(ship: Recording, tmp_path: Path) ->
     written(tmp_path, gyros, forces.assign(time=forces.time + 1e3), ship, INCREMENTS)
     with pytest.raises(InputError, match=r"gyro\.csv.*acc\.csv.*do not overlap"):
         load_recording(path)
+    for short, long, cut in ((forces, gyros, "acc"), (gyros, forces, "gyro")):
+        for part in (short[1000:1001], short[1000:1004]):
+            both = (long, part) if cut == "acc" else (part, long)
+            written(tmp_path, *both, ship, INCREMENTS)
+            with pytest.raises(InputError, match=rf"^\S*{cut}\.csv, \w+: .* many"):
+                load_recording(path)
     twice = INCREMENTS.replace('"gyro.csv"', '"gyro.csv"\ncolumns.force = ["a", "b", "c"]')
     with pytest.raises(
         InputError, match=r"imu\.columns\.force: there is a table accelerometer; say one of both"

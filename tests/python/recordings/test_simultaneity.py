@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -208,6 +209,35 @@ def test_an_offset_is_found_when_it_is_asked_for_and_else_said(tmp_path: Path) -
     assert nothing.endswith("stamps stay")
     more = load(described(tmp_path, 0.15, "offset = -0.05"))
     assert any("go with the fixes with offset = -0.1" in remark for remark in more.remarks)
+
+
+def in_halves(described: Path, offset: str = "") -> Path:
+    """The same with a table of its own for the forces."""
+    columns = 'columns.force = ["delta_velocity_x", "delta_velocity_y", "delta_velocity_z"]\n'
+    table = f'[accelerometer]\nfile = "imu.csv"\n{offset}\ncolumns.time = "time"\n{columns}'
+    described.write_text(described.read_text().replace(columns, "") + f'{table}units.force = "m/s"\n')
+    return described
+
+
+def test_the_offset_that_is_told_of_an_imu_in_halves_moves_both(tmp_path: Path) -> None:
+    (told,) = load(in_halves(described(tmp_path, 0.15, ""))).remarks
+    offset = re.search(r"go with the fixes with (offset = -0\.1\d+) \(sigma", told)[1]
+    said = load(in_halves(described(tmp_path, 0.15, offset)))
+    assert not said.remarks
+    whole = load(described(tmp_path, 0.15, offset))
+    np.testing.assert_allclose(said.imu.time, whole.imu.time, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(said.imu.delta_velocity, whole.imu.delta_velocity, rtol=0, atol=1e-9)
+
+
+def test_what_is_told_of_an_imu_in_halves_names_the_offset_that_each_has(tmp_path: Path) -> None:
+    remarks = load(in_halves(described(tmp_path, 0.15, "offset = -0.05"), "offset = -0.04")).remarks
+    offset = r"offset = (-0\.\d+)"
+    of_gyros, of_forces = re.search(
+        f"go with the fixes with {offset} and its accelerometers with {offset}", str(remarks)
+    ).groups()
+    assert float(of_forces) - float(of_gyros) == pytest.approx(0.01, abs=1e-9)
+    said = load(in_halves(described(tmp_path, 0.15, f"offset = {of_gyros}"), f"offset = {of_forces}"))
+    assert "go with" not in str(said.remarks)
 
 
 def test_an_offset_is_found_of_imu_and_fixes_alone(tmp_path: Path) -> None:
