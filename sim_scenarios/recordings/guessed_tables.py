@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 from pydantic import BaseModel
 
+from sim_scenarios.errors import InputError
 from sim_scenarios.recordings import forces, stamps, tracks
 from sim_scenarios.recordings import units as of
 from sim_scenarios.recordings.guesses import Guess
@@ -31,6 +32,8 @@ Columns = Mapping[str, tuple[str, ...]]
 IMU_STEPS: Final = (1e-4, 0.11)  # s between samples
 AID_STEPS: Final = (0.02, 21.0)  # s
 SOLUTION_STEPS: Final = (IMU_STEPS[0], AID_STEPS[1])
+LEAST_COUNTS: Final = 2.0
+"""Steps between stamps below which fractions tell that these count seconds, as of 1 Hz or 2 Hz."""
 NEAR_GRAVITY: Final = 1.25
 """Factor by which a mean force may differ from gravity to tell its unit."""
 FASTEST: Final = 40.0  # rad/s, more than 2000 deg/s
@@ -67,10 +70,12 @@ def tables(sheet: Sheet, columns: Columns) -> dict[str, Told]:
     found = {}
     if {"angular", "force"} <= set(columns):
         found["imu"] = _imu(sheet, _some(columns, "time", "angular", "force"))
-    elif set(columns) == {"time", "angular"}:
-        found["imu"] = _gyros(sheet, {**columns, "force": layouts.NONE})
-    elif set(columns) == {"time", "force"}:
-        found["accelerometer"] = _accelerometers(sheet, columns)
+    elif {"attitude", "position", "velocity"} & set(columns):
+        pass  # rates and accelerations of a solution or of a receiver are no half of an IMU
+    elif "angular" in columns:
+        found["imu"] = _gyros(sheet, {**_some(columns, "time", "angular"), "force": layouts.NONE})
+    elif "force" in columns:
+        found["accelerometer"] = _accelerometers(sheet, _some(columns, "time", "force"))
     solution = "attitude" in columns and not found
     steps = IMU_STEPS if found else SOLUTION_STEPS if solution else AID_STEPS
     unit = {"time": _time(sheet, columns["time"][0], steps)}
@@ -140,9 +145,10 @@ def _time(sheet: Sheet, name: str, steps: tuple[float, float]) -> Guess:
     step = float(np.median(differences[differences > 0])) if (differences > 0).any() else math.nan
     units = ("s", "ms", "us", "ns")
     said = named.unit(name, units)
+    counted = step >= LEAST_COUNTS or bool((differences == np.rint(differences)).all())
     if said and steps[0] <= step * of.TIME[said] <= steps[1]:
         return Guess(said, f"by the name {name}, with steps of {step:.4g}")
-    for unit in units:
+    for unit in units if counted else units[:1]:
         if steps[0] <= step * of.TIME[unit] <= steps[1]:
             return Guess(unit, f"with steps of {step:.4g}, {1 / (step * of.TIME[unit]):.4g} Hz")
     return Guess("s", f"check: steps are {step:.4g}")
@@ -157,6 +163,7 @@ def _imu(sheet: Sheet, columns: Columns) -> Told:
         layouts.ImuUnits(time=time.value),
     ).imu
     assert read is not None
+    _check_samples(sheet, _some(columns, "angular", "force"), read.time)
     order = np.argsort(read.time, kind="stable")
     _, first = np.unique(read.time[order], return_index=True)
     rows = order[first]
@@ -181,6 +188,7 @@ def _gyros(sheet: Sheet, columns: Columns) -> Told:
         sheet, layouts.ImuColumns.model_validate(columns), layouts.ImuUnits(time=time.value)
     ).imu
     assert read is not None
+    _check_samples(sheet, _some(columns, "angular"), read.time)
     name = columns["angular"][0]
     angular = _angular(name, np.unique(read.time), read.angular, named.is_increment(name))
     return Told(columns, {"time": time, "angular": angular}, kinds)
@@ -196,10 +204,24 @@ def _accelerometers(sheet: Sheet, columns: Columns) -> Told:
         layouts.AccelerometerUnits(time=time.value),
     ).accelerometer
     assert read is not None
+    _check_samples(sheet, _some(columns, "force"), read.time)
     stamps_once, first = np.unique(read.time, return_index=True)
     mean = forces.mean_size(read.force[first], stamps_once)
     force = _force(columns["force"][0], mean, stamps.period(stamps_once))
     return Told(columns, {"time": time, "force": force}, kinds)
+
+
+def _check_samples(sheet: Sheet, columns: Columns, time: Array) -> None:
+    """Refuse what is too little to guess anything from."""
+    if (count := len(np.unique(time))) < 2:
+        raise InputError(f"{sheet.path}: has {count} samples; an alignment needs many")
+    for names in columns.values():
+        known = np.isfinite([sheet.numbers(name) for name in names])
+        for name, of_column in zip(names, known, strict=True):
+            if not of_column.any():
+                raise InputError(f"{sheet.path}: column {name} has no number in it")
+        if not known.all(axis=0).any():
+            raise InputError(f"{sheet.path}: no row has a number in each of the columns {', '.join(names)}")
 
 
 def _force(name: str, mean: float, period: float) -> Guess:

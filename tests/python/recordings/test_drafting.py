@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -236,6 +237,55 @@ def test_two_halves_of_an_imu_are_one(tmp_path: Path) -> None:
     assert "# imu of gyro.csv: left out, whole.csv has it too" in text
     assert "# accelerometer of acc.csv: left out, whole.csv has one too" in text
     assert 'file = "whole.csv"' in text
+
+
+def two_files(folder: Path, force: pd.DataFrame, gyro: pd.DataFrame | None = None) -> list[Path]:
+    gyro = sensor(FRD, DEGREE, 1.0, GYRO).filter(regex="time|gyro") if gyro is None else gyro
+    for name, table in (("gyro", gyro), ("acc", force)):
+        table.to_csv(folder / f"{name}.csv", index=False)
+    return [folder / "gyro.csv", folder / "acc.csv"]
+
+
+@pytest.mark.parametrize("kind", ["gyro", "acc"])
+def test_a_half_with_too_little_in_it_is_refused_by_its_name(tmp_path: Path, kind: str) -> None:
+    cells = sensor(FRD, DEGREE, 1.0, GYRO)
+    gyro, force = (cells.filter(regex=f"time|{half}") for half in ("gyro", "acc"))
+
+    def refused(change: Callable[[pd.DataFrame], pd.DataFrame]) -> str:
+        halves = (force, change(gyro)) if kind == "gyro" else (change(force), gyro)
+        with pytest.raises(InputError, match=rf"^\S*{kind}\.csv: ") as refusal:
+            draft(two_files(tmp_path, *halves), tmp_path)
+        return str(refusal.value)
+
+    assert "has 1 samples" in refused(lambda half: half[:1])
+    assert f"column {kind}_y has no number in it" in refused(
+        lambda half: half.assign(**{f"{kind}_y": np.nan})
+    )
+    names = f"{kind}_x, {kind}_y, {kind}_z"
+    nowhere = {f"{kind}_x": [1.0, np.nan] * (len(cells) // 2), f"{kind}_y": [np.nan, 1.0] * (len(cells) // 2)}
+    assert f"no row has a number in each of the columns {names}" in refused(
+        lambda half: half.assign(**nowhere)
+    )
+    assert "unit of its time" in refused(lambda half: half.assign(time=half.time / 1000))
+
+
+def test_further_columns_do_not_hide_a_half(tmp_path: Path) -> None:
+    cells = sensor(FRD, DEGREE, 1.0, GYRO)
+    force = cells.filter(regex="time|acc").assign(heading=90.0)
+    gyro = cells.filter(regex="time|gyro").assign(baro_height=5.0)
+    path, told = drafted(tmp_path, *two_files(tmp_path, force, gyro))
+    assert set(told) == {"imu", "accelerometer", "heading", "height"}
+    np.testing.assert_allclose(load(path).imu.delta_velocity, WHOLE.imu.delta_velocity, atol=1e-9)
+
+
+@pytest.mark.parametrize("step", [50, 97])
+def test_slow_gyros_are_not_taken_for_stamps_in_milliseconds(tmp_path: Path, step: int) -> None:
+    """At 2 Hz, and at about 1 Hz."""
+    cells = sensor(FRD, DEGREE, 1.0, GYRO)
+    gyro = cells.filter(regex="time|gyro")[step - 1 :: step]
+    path, told = drafted(tmp_path, *two_files(tmp_path, cells.filter(regex="time|acc"), gyro))
+    assert told["imu"]["units"]["time"] == "s"
+    assert len(load(path).imu.time) == len(gyro)
 
 
 def test_vibration_does_not_pass_for_gravity(tmp_path: Path) -> None:
