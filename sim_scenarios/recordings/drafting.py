@@ -163,7 +163,8 @@ def _check_imu(parts: dict[str, Part], files: Sequence[Path]) -> None:
         columns = half.entries[f"columns.{has}"].value
         raise InputError(
             f"{half.path}: {', '.join(columns)} are of an IMU, and there are no {lacks} beside them: name "
-            "the file that has them too"
+            "the file that has them too; beside positions, velocities or an attitude they are not taken for "
+            "half of an IMU"
         )
 
 

@@ -276,6 +276,9 @@ def test_further_columns_do_not_hide_a_half(tmp_path: Path) -> None:
     path, told = drafted(tmp_path, *two_files(tmp_path, force, gyro))
     assert set(told) == {"imu", "accelerometer", "heading", "height"}
     np.testing.assert_allclose(load(path).imu.delta_velocity, WHOLE.imu.delta_velocity, atol=1e-9)
+    files = two_files(tmp_path, force.assign(lat=45.0, lon=9.0), gyro)
+    with pytest.raises(InputError, match="beside positions, velocities or an attitude they are not taken"):
+        draft(files, tmp_path)
 
 
 @pytest.mark.parametrize("step", [50, 97])
