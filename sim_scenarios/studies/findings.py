@@ -143,7 +143,7 @@ def _failed(cases: Sequence[CaseSummary]) -> str:
     if not failed.total():
         return f"none of {runs} runs failed"
     if failed.total() == runs:
-        return f"every run failed, {runs} of {runs}"
+        return f"every one of {runs} runs failed"
     most = max(failed.values())
     labels = [label for label in failed if failed[label] == most]
     whose = f", {'all' if most == failed.total() else most} of them of {'each of ' * (len(labels) > 1)}"

@@ -100,7 +100,7 @@ def test_expectations_that_are_missed_are_counted(sound: xr.Dataset) -> None:
 
 def test_no_run_that_was_finished_is_told(sound: xr.Dataset) -> None:
     sound["state"][:] = State.failed
-    assert said(sound) == ("Every run failed, 8 of 8. Whether a filter reported convergence is not known.")
+    assert said(sound) == ("Every one of 8 runs failed. Whether a filter reported convergence is not known.")
 
 
 def test_filters_that_failed_as_often_are_named_together(sound: xr.Dataset) -> None:
