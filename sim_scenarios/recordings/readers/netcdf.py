@@ -48,6 +48,14 @@ def read(path: Path) -> Contents:
             f"{path}: has no {missing[0]}: of a recording.nc the truth of a simulation can serve as a "
             "reference, and nothing else"
         )
+    rows = (data["time"].size,)
+    for name in ("time", *_TRUTH):
+        shape = (*rows, 3) if name == "truth.velocity" else rows
+        if data[name].shape != shape or data[name].dtype.kind not in "fiu":
+            raise InputError(
+                f"{path}: {name} is {data[name].dtype} of the shape {data[name].shape}, must be numbers of "
+                f"the shape {shape}"
+            )
     roll, pitch, heading, latitude, longitude, height, velocity = (
         data[name].values.astype(np.float64) for name in _TRUTH
     )
