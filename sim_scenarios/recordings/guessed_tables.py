@@ -21,6 +21,7 @@ from sim_scenarios.recordings import units as of
 from sim_scenarios.recordings.guesses import Guess
 from sim_scenarios.recordings.readers import columns as named
 from sim_scenarios.recordings.readers import delimited, layouts
+from sim_scenarios.recordings.readers.contents import Inertial
 from sim_scenarios.recordings.readers.sheets import Sheet
 from sim_scenarios.recordings.readers.time_columns import ISO, TIME_OF_DAY
 from sim_scenarios.recordings.tables import Array, ImuTable
@@ -42,6 +43,7 @@ SMALLEST_COUNT: Final = 1000.0
 BY_SIZE: Final = "check: by size alone"
 """Of a unit that nothing else tells."""
 _FORCES: Final = ("m/s2", "g", "mg")
+_KINDS_OF_IMU: Final = (layouts.ImuColumns, layouts.ImuUnits)
 
 
 @dataclass(frozen=True)
@@ -154,16 +156,19 @@ def _time(sheet: Sheet, name: str, steps: tuple[float, float]) -> Guess:
     return Guess("s", f"check: steps are {step:.4g}")
 
 
-def _imu(sheet: Sheet, columns: Columns) -> Told:
+def _inertial(sheet: Sheet, columns: Columns, *measured: str) -> tuple[Guess, Inertial]:
+    """The samples as they are logged, of which some columns are measured, and the guess of their time."""
     time = _time(sheet, columns["time"][0], IMU_STEPS)
-    kinds = (layouts.ImuColumns, layouts.ImuUnits)
     read = delimited.imu(
-        sheet,
-        layouts.ImuColumns.model_validate(columns),
-        layouts.ImuUnits(time=time.value),
+        sheet, layouts.ImuColumns.model_validate(columns), layouts.ImuUnits(time=time.value)
     ).imu
     assert read is not None
-    _check_samples(sheet, _some(columns, "angular", "force"), read.time)
+    _check_samples(sheet, _some(columns, *measured), read.time)
+    return time, read
+
+
+def _imu(sheet: Sheet, columns: Columns) -> Told:
+    time, read = _inertial(sheet, columns, "angular", "force")
     order = np.argsort(read.time, kind="stable")
     _, first = np.unique(read.time[order], return_index=True)
     rows = order[first]
@@ -177,21 +182,15 @@ def _imu(sheet: Sheet, columns: Columns) -> Told:
         read.force[rows],
     )
     angular = _angular(columns["angular"][0], raw.time, read.angular, increments, forces.tilts(raw))
-    return Told(columns, {"time": time, "angular": angular, "force": force}, kinds)
+    return Told(columns, {"time": time, "angular": angular, "force": force}, _KINDS_OF_IMU)
 
 
 def _gyros(sheet: Sheet, columns: Columns) -> Told:
     """Angles alone: increments if their name says so."""
-    time = _time(sheet, columns["time"][0], IMU_STEPS)
-    kinds = (layouts.ImuColumns, layouts.ImuUnits)
-    read = delimited.imu(
-        sheet, layouts.ImuColumns.model_validate(columns), layouts.ImuUnits(time=time.value)
-    ).imu
-    assert read is not None
-    _check_samples(sheet, _some(columns, "angular"), read.time)
+    time, read = _inertial(sheet, columns, "angular")
     name = columns["angular"][0]
     angular = _angular(name, np.unique(read.time), read.angular, named.is_increment(name))
-    return Told(columns, {"time": time, "angular": angular}, kinds)
+    return Told(columns, {"time": time, "angular": angular}, _KINDS_OF_IMU)
 
 
 def _accelerometers(sheet: Sheet, columns: Columns) -> Told:
