@@ -13,7 +13,7 @@ from plant_signals import as_table, sensed, told_as_in
 import sim_scenarios
 from sim_scenarios import Start
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, PLANT, Fmus, load
+from sim_scenarios.fmus import Fmus
 from sim_scenarios.recordings import load as load_recording
 from sim_scenarios.recordings.checks import doubts
 from sim_scenarios.recordings.feed import feed
@@ -49,11 +49,6 @@ columns = {{ time = "t", force = ["ax", "ay", "az"] }}
 units = {{ time = "ms", force = "g" }}
 {FIXES}
 """
-
-
-@pytest.fixture(scope="module")
-def all_fmus() -> Fmus:
-    return Fmus({name: load(name) for name in (PLANT, ALIGNMENT_FILTER, NAVIGATION_FILTER)})
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ import sim_scenarios
 from sim_scenarios import Outages, Start, ZeroVelocity, curves
 from sim_scenarios.attitude import wrap
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, PLANT, Fmus, load
+from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmus
 from sim_scenarios.recordings import comparison, outages
 from sim_scenarios.recordings import load as load_recording
 from sim_scenarios.recordings.feed import feed
@@ -39,11 +39,6 @@ GOOD_SENSORS = {
 }
 SHIP = 320.0  # s
 INVARIANT = {"error_model": "invariant", "predictor": "linearised", "corrector": "standard"}
-
-
-@pytest.fixture(scope="module")
-def all_fmus() -> Fmus:
-    return Fmus({name: load(name) for name in (PLANT, ALIGNMENT_FILTER, NAVIGATION_FILTER)})
 
 
 @pytest.fixture(scope="module")

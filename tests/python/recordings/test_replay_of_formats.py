@@ -17,7 +17,7 @@ from written import kf_gins, nmea, novatel, psins, rtklib, ubx, ulog
 import sim_scenarios
 from sim_scenarios import Start
 from sim_scenarios.attitude import wrap
-from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, PLANT, Fmus, load
+from sim_scenarios.fmus import Fmus
 from sim_scenarios.recordings import load as load_recording
 from sim_scenarios.recordings.readers.gps_time import DAY, WEEK
 from sim_scenarios.recordings.stamps import intervals
@@ -360,11 +360,6 @@ def furthest(run: xr.Dataset, other: xr.Dataset) -> dict[str, float]:
     apart = {name: run[name].values - other[name].values for name in OUTPUTS}
     apart["nav.heading"] = wrap(apart["nav.heading"])
     return {name: float(np.max(np.abs(difference))) for name, difference in apart.items()}
-
-
-@pytest.fixture(scope="module")
-def all_fmus() -> Fmus:
-    return Fmus({name: load(name) for name in (PLANT, ALIGNMENT_FILTER, NAVIGATION_FILTER)})
 
 
 @pytest.fixture(scope="module")
