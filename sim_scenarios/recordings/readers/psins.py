@@ -21,15 +21,13 @@ Source: base/io/imufile.m and binfile.m, base/base1/gpssimu.m and base/base0/a2m
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator
-from io import BytesIO
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from scipy.io import loadmat
 
+from sim_scenarios import matlab
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers.contents import Axes, Contents, Inertial
 from sim_scenarios.recordings.readers.files import beginning, whole
@@ -44,8 +42,6 @@ _WIDTH: Final = 7
 _BINARY: Final = {"<f8": 8, "<f4": 4}
 """Numbers of a binary file and their bytes."""
 _MATLAB: Final = b"MATLAB 5.0 MAT-file"
-_DEPTH: Final = 4
-"""Structures inside of structures that are looked into."""
 
 
 def recognises(path: Path) -> bool:
@@ -107,20 +103,11 @@ def _of_binary(path: Path) -> Contents:
 
 
 def _of_arrays(path: Path) -> Contents:
-    content = whole(path)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # names that stand twice
-            variables = loadmat(BytesIO(content), struct_as_record=False, squeeze_me=True)
-    except NotImplementedError:
-        raise InputError(f"{path}: is a MATLAB file of version 7.3; save it with -v7") from None
-    except Exception as error:  # of damaged bytes scipy makes whatever they say
-        raise InputError(f"{path}: cannot be read as a MATLAB file: {error}") from None
     imu: Inertial | None = None
     gnss: FixTable | None = None
     reference: ReferenceTable | None = None
     names: dict[str, str] = {}
-    for name, array in _arrays(variables, _DEPTH):
+    for name, array in matlab.tables(path, whole(path)):
         width = array.shape[1]
         if imu is None and width == _WIDTH and _is_imu(array):
             imu, names["imu"] = _imu(array), name
@@ -133,15 +120,6 @@ def _of_arrays(path: Path) -> Contents:
     return Contents(
         imu=imu, gnss=gnss, reference=reference, place=lambda table, row: f"{names[table]}: row {row + 1}"
     )
-
-
-def _arrays(variables: dict[str, Any], depth: int) -> Iterator[tuple[str, Array]]:
-    """Tables of numbers among variables and the fields of structures, with their names."""
-    for name, value in variables.items():
-        if isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind == "f" and len(value) > 1:
-            yield name, value.astype(np.float64)
-        elif hasattr(value, "_fieldnames") and depth:
-            yield from _arrays({field: getattr(value, field) for field in value._fieldnames}, depth - 1)
 
 
 def _tables(content: bytes) -> Iterator[Array]:
