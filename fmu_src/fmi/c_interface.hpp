@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <span>
@@ -52,6 +53,15 @@ std::span<T> array(T* pointer, std::size_t size, const char* name) {
         throw Refusal(std::string(name) + " is NULL");
     }
     return {pointer, size};
+}
+
+// An enumerator that was passed, as a number: a C program may pass any, of which C++ may load but its own.
+template <class Enumeration>
+int number_of(const Enumeration& passed) noexcept {
+    int number = 0;
+    static_assert(sizeof number == sizeof passed);
+    std::memcpy(&number, &passed, sizeof number);
+    return number;
 }
 
 // How a tool asks for an instance, in the words of its FMI version.

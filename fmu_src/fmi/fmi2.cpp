@@ -78,17 +78,23 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (functions == nullptr || functions->logger == nullptr) {
         return nullptr;
     }
+    const int kind = number_of(type);
     const Request request{
         .function = "fmi2Instantiate",
         .use = {.fmi_version = 2,
-                .kind = type == fmi2ModelExchange ? Kind::model_exchange : Kind::co_simulation},
+                .kind = kind == fmi2ModelExchange ? Kind::model_exchange : Kind::co_simulation},
         .instance_name = name,
         .token_name = "fmuGUID",
         .token = guid,
         .resources = resources,
         .logging = logging != fmi2False};
     try {
-        return instantiate(request, sink_of(*functions, name == nullptr ? "" : name), [] {});
+        return instantiate(request, sink_of(*functions, name == nullptr ? "" : name), [&] {
+            if (kind != fmi2ModelExchange && kind != fmi2CoSimulation) {
+                throw Refusal("fmuType = " + std::to_string(kind) +
+                              ": must be fmi2ModelExchange (0) or fmi2CoSimulation (1)");
+            }
+        });
     } catch (...) {  // no memory for the name
         return nullptr;
     }
@@ -221,7 +227,7 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind /*kind*/, fmi2Sta
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real* value) {
     return guarded(c, "fmi2GetRealStatus", [&](Instance& instance) {
-        if (kind != fmi2LastSuccessfulTime) {
+        if (number_of(kind) != fmi2LastSuccessfulTime) {
             throw Refusal("the only Real status is fmi2LastSuccessfulTime");
         }
         present(value, "value") = instance.time();
@@ -234,7 +240,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind /*kind*/, 
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean* value) {
     return guarded(c, "fmi2GetBooleanStatus", [&](Instance&) {
-        if (kind != fmi2Terminated) {
+        if (number_of(kind) != fmi2Terminated) {
             throw Refusal("the only Boolean status is fmi2Terminated");
         }
         present(value, "value") = fmi2False;  // this FMU never asks to end the simulation

@@ -120,6 +120,14 @@ def test_what_is_not_supported_says_so(instance: Instance, function: str) -> Non
     assert instance.step(0.0, STEP) == OK
 
 
+@pytest.mark.parametrize("kind", [-1, 4, 2**31 - 1])
+def test_kinds_of_status_that_there_are_not(instance: Instance, kind: int) -> None:
+    instance.start()
+    assert instance.call("fmi2GetRealStatus", kind, byref(c_double())) == ERROR
+    assert instance.call("fmi2GetBooleanStatus", kind, byref(c_int())) == ERROR
+    assert instance.call("fmi2GetStatus", kind, byref(c_int())) == ERROR
+
+
 # Arguments after the component; None where a pointer is expected and something is asked of it.
 NULLS = {
     "fmi2GetReal": (None, c_size_t(1), None),

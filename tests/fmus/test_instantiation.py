@@ -10,6 +10,8 @@ REFUSED = {
     "empty guid": ({"guid": b""}, "different builds"),
     "no name": ({"name": None}, "instanceName is NULL or empty"),
     "empty name": ({"name": b""}, "instanceName is NULL or empty"),
+    "another kind": ({"kind": 2}, "fmuType = 2: must be fmi2ModelExchange (0) or fmi2CoSimulation (1)"),
+    "no kind": ({"kind": -1}, "fmuType = -1: must be fmi2ModelExchange (0) or fmi2CoSimulation (1)"),
 }
 
 
