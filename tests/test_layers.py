@@ -68,8 +68,9 @@ PACKAGE = ROOT / "sim_scenarios"
 ORDERS = {
     "scenario": ["entries", "tables", "sentences", "settings", "loading"],
     "studies": [
-        *("quantities", "measured", "expectations", "draws", "plan", "store", "runs", "execution"),
-        *("ensemble", "campaign", "statistics", "table", "regret", "findings", "pictures", "page"),
+        *("quantities", "measured", "expectations", "draws", "plan", "case", "unfaulted", "cases"),
+        *("store", "runs", "execution", "ensemble", "campaign", "statistics", "table", "regret", "findings"),
+        *("pictures", "page"),
     ],
 }
 """Modules of a package: each imports only those before it."""

@@ -26,10 +26,12 @@ from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import reserved
 from sim_scenarios.stepping import Master
 from sim_scenarios.studies import execution, store
+from sim_scenarios.studies.case import Case
+from sim_scenarios.studies.cases import cases, expected_of, fingerprint
 from sim_scenarios.studies.execution import Effort, Report, Workers
 from sim_scenarios.studies.expectations import Row, rows
 from sim_scenarios.studies.measured import Stored
-from sim_scenarios.studies.plan import Case, Plan, cases, expected_of, fingerprint, load_plan
+from sim_scenarios.studies.plan import Plan, load_plan
 from sim_scenarios.studies.runs import Bench
 
 

@@ -32,7 +32,8 @@ from sim_scenarios.fmus import Fmus
 from sim_scenarios.processes import processes
 from sim_scenarios.stepping import Master
 from sim_scenarios.studies import runs, store
-from sim_scenarios.studies.plan import Case, Plan, filter_labels
+from sim_scenarios.studies.case import Case, filter_labels
+from sim_scenarios.studies.plan import Plan
 from sim_scenarios.studies.quantities import figures
 from sim_scenarios.studies.runs import Bench
 from sim_scenarios.studies.store import Batch

@@ -17,7 +17,7 @@ from sim_scenarios.metrics import hand_over
 from sim_scenarios.runner import Filters, Runner
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.stepping import Master
-from sim_scenarios.studies.plan import Case, filters_of
+from sim_scenarios.studies.case import Case, filters_of
 from sim_scenarios.studies.quantities import NOTHING, Asked, kept, outputs
 from sim_scenarios.studies.store import State
 

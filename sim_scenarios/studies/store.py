@@ -38,7 +38,8 @@ from sim_scenarios.fmus import Fmu
 from sim_scenarios.folders import discard, filled, remove
 from sim_scenarios.metrics.statistics import rms
 from sim_scenarios.scenario import Scenario
-from sim_scenarios.studies.plan import Case, Plan, filter_labels
+from sim_scenarios.studies.case import Case, filter_labels
+from sim_scenarios.studies.plan import Plan
 from sim_scenarios.studies.quantities import BOUNDED, ERRORS, RECORDED, SERIES, figures
 from sim_scenarios.timeline import RESOLUTION, instants, within
 

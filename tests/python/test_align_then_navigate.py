@@ -22,7 +22,8 @@ from sim_scenarios.report import report_comparison, report_run
 from sim_scenarios.runner import why_no_container
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.stepping import Master, Order
-from sim_scenarios.studies.plan import cases, load_plan
+from sim_scenarios.studies.cases import cases
+from sim_scenarios.studies.plan import load_plan
 from sim_scenarios.studies.runs import Bench
 from sim_scenarios.studies.store import State
 

@@ -13,7 +13,8 @@ from sim_scenarios.cli.application import app
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.studies.plan import cases, load_plan
+from sim_scenarios.studies.cases import cases
+from sim_scenarios.studies.plan import load_plan
 
 NAMES = ["../..", "/abs", "a/b", "..", ".x", "-x", "a\\b", "a b", "a\nb", "a\x1b[2J", "a\x00", "x" * 300, ""]
 SIGMAS = {

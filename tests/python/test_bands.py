@@ -18,8 +18,9 @@ from sim_scenarios import catalogue
 from sim_scenarios.cli.application import app
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.studies import store
+from sim_scenarios.studies.cases import cases
 from sim_scenarios.studies.expectations import Band
-from sim_scenarios.studies.plan import cases, load_plan
+from sim_scenarios.studies.plan import load_plan
 from sim_scenarios.studies.store import State
 
 BANDS = catalogue.files(catalogue.BANDS)

@@ -13,7 +13,9 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.runner import why_no_container
 from sim_scenarios.stepping import Master
-from sim_scenarios.studies.plan import Case, cases, load_plan
+from sim_scenarios.studies.case import Case
+from sim_scenarios.studies.cases import cases
+from sim_scenarios.studies.plan import load_plan
 from sim_scenarios.studies.runs import Bench
 
 supported = pytest.mark.skipif(

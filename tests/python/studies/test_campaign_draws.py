@@ -11,8 +11,10 @@ from scipy import stats
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.studies.case import Case, filters_of
+from sim_scenarios.studies.cases import cases
 from sim_scenarios.studies.draws import Distribution, Draw, draw
-from sim_scenarios.studies.plan import Case, cases, filters_of, load_plan
+from sim_scenarios.studies.plan import load_plan
 
 DRAWS = 500
 

@@ -18,7 +18,8 @@ from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import reserved
 from sim_scenarios.studies import execution, store
 from sim_scenarios.studies.campaign import Campaign
-from sim_scenarios.studies.plan import Plan, fingerprint, load_plan
+from sim_scenarios.studies.cases import fingerprint
+from sim_scenarios.studies.plan import Plan, load_plan
 from sim_scenarios.studies.store import State
 
 WINDOW = {"evaluation.start": 1.0, "evaluation.stop": 3.0, "filter_fmu": "NavigationFilter"}

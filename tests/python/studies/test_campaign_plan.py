@@ -9,7 +9,8 @@ import pytest
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, Fmus
-from sim_scenarios.studies.plan import Plan, cases, fingerprint, load_plan
+from sim_scenarios.studies.cases import cases, fingerprint
+from sim_scenarios.studies.plan import Plan, load_plan
 
 
 def test_every_combination_of_the_grid_is_a_case(fmus: Fmus, plan_file: Path) -> None:

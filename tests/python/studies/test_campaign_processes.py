@@ -22,8 +22,9 @@ from sim_scenarios.fmus import Fmus
 from sim_scenarios.stepping import Master
 from sim_scenarios.studies import execution, store
 from sim_scenarios.studies.campaign import campaign
+from sim_scenarios.studies.cases import cases
 from sim_scenarios.studies.execution import Progress
-from sim_scenarios.studies.plan import cases, load_plan
+from sim_scenarios.studies.plan import load_plan
 from sim_scenarios.studies.runs import bound
 from sim_scenarios.studies.store import State
 

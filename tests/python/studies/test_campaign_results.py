@@ -16,7 +16,8 @@ from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import judge
 from sim_scenarios.stepping import Master
 from sim_scenarios.studies.campaign import campaign
-from sim_scenarios.studies.plan import cases, load_plan
+from sim_scenarios.studies.cases import cases
+from sim_scenarios.studies.plan import load_plan
 from sim_scenarios.studies.quantities import KEPT, OTHERS, SERIES
 from sim_scenarios.studies.runs import Bench
 from sim_scenarios.studies.store import NAME, State, open_results

@@ -14,7 +14,9 @@ import xarray as xr
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.studies import store
-from sim_scenarios.studies.plan import Case, Plan, cases, load_plan
+from sim_scenarios.studies.case import Case
+from sim_scenarios.studies.cases import cases
+from sim_scenarios.studies.plan import Plan, load_plan
 from sim_scenarios.studies.store import Batch, State
 
 WINDOW = {"evaluation.start": 1.0, "evaluation.stop": 3.0, "filter_fmu": "NavigationFilter"}
