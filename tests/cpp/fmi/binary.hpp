@@ -5,12 +5,19 @@
 
 #include <fstream>
 #include <map>
+#include <mutex>
 #include <regex>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 
 namespace truenorth::test {
+
+// libstdc++ fills a table of characters when an expression is compiled, which threads share without a lock.
+[[nodiscard]] inline std::unique_lock<std::mutex> compiling() {
+    static std::mutex one_at_a_time;
+    return std::unique_lock(one_at_a_time);
+}
 
 class Binary {
   public:
@@ -22,6 +29,7 @@ class Binary {
         std::ostringstream text;
         text << std::ifstream(description).rdbuf();
         description_ = text.str();
+        const auto lock = compiling();
         std::smatch match;
         if (!std::regex_search(description_, match, std::regex("(?:guid|instantiationToken)=\"([^\"]*)\""))) {
             throw std::runtime_error(description + ": no guid");

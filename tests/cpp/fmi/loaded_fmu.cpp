@@ -106,6 +106,7 @@ fmi2ValueReference LoadedFmu::reference(const std::string& name) const {
 }
 
 std::vector<std::string> LoadedFmu::names(const std::string& type, const std::string& causality) const {
+    const auto lock = compiling();
     const std::regex variable("<ScalarVariable name=\"([^\"]*)\"[^>]*causality=\"" + causality +
                               "\"[^>]*>\\s*<" + type + "[ /]");
     const std::string& description = binary_.description();
