@@ -18,6 +18,15 @@ class AttitudeLedger {
         variance_ = variance;
         corrected_.setZero();
         leant_ = 0.0;
+        guessed_ = false;
+    }
+
+    // That variance is a guess: the one of before has been found wrong, and nobody knows by how much.
+    void guess() { guessed_ = true; }
+
+    // Whether what was measured since weighs more than the guess in a heading of this sigma [rad].
+    [[nodiscard]] bool measured(double heading_sigma) const {
+        return !guessed_ || heading_sigma * heading_sigma < 0.5 * variance_.z();
     }
 
     // It has become uncertain by so much more.
@@ -49,13 +58,14 @@ class AttitudeLedger {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(variance_, corrected_, leant_);
+        archive(variance_, corrected_, leant_, guessed_);
     }
 
   private:
     Eigen::Vector3d variance_ = Eigen::Vector3d::Ones();
     Eigen::Vector3d corrected_ = Eigen::Vector3d::Zero();
     double leant_ = 0.0;  // by a wrong heading [rad]
+    bool guessed_ = false;
 };
 
 }  // namespace truenorth

@@ -18,4 +18,8 @@ Change Change::between(const NavigationState& before, const NavigationState& aft
             .displacement = earth::displacement(before.position, after.position)};
 }
 
+Eigen::Matrix3d about_up(double angle) {
+    return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+}
+
 }  // namespace truenorth

@@ -33,7 +33,7 @@ class Engine {
     static constexpr int kStates = M::kStates;
     static constexpr int kMeasurements = M::kMeasurements;
     static constexpr bool kFindsPosition = Where::position.count > 0;
-    static constexpr bool kStartsWhereItIs = false;  // a new start changes nothing of its estimate
+    static constexpr bool kStartsWhereItIs = false;  // at a new start its tilts and its place stay
 
     // Settings; they follow from the parameters and are not part of a saved state, unlike what they learn.
     Estimator<M> estimator;

@@ -45,7 +45,8 @@ FilterStatus::State FilterStatus::hindrance(double clock, const Evidence& eviden
 
 FilterStatus::State FilterStatus::judge(double clock, const Evidence& evidence, const Rules& rules) {
     const State state = hindrance(clock, evidence, rules);
-    if (state != State::aligning || !(evidence.heading_sigma < rules.heading_sigma)) {
+    const bool known = evidence.measured && evidence.heading_sigma < rules.heading_sigma;
+    if (state != State::aligning || !known) {
         below_since_ = std::numeric_limits<double>::quiet_NaN();
         return state;
     }

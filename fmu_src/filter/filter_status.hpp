@@ -36,6 +36,7 @@ class FilterStatus {
         bool coarse;           // the attitude is not the filter's yet
         bool recovering;       // the filter is on its way back
         bool consistent;       // the innovations of late agree with their covariance
+        bool measured;         // the heading is not one that was guessed after a start was found wrong
         double heading_sigma;  // [rad]
     };
 

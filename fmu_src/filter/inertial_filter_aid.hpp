@@ -18,8 +18,11 @@ inline const char* deed_without_fixes(int rung, bool stays) {
     if (rung < Recovery::kRestart) {
         return ", attitude and sensors are in doubt with it";
     }
-    return stays ? ", and the filter starts again where it is, with any heading"
-                 : ", and the filter starts again, level as the force says, with any heading";
+    if (!stays) {
+        return ", and the filter starts again, level as the force says, with any heading";
+    }
+    return rung < Recovery::kLast ? ", and the filter starts again where it is, with any heading"
+                                  : ", and the filter starts again, with another heading";
 }
 
 // Whether anything came; `sampled`: with a sample of the IMU, or one that was refused.
@@ -210,7 +213,7 @@ template <class E>
 void InertialFilter<Interface, Engines...>::start_again_level(E& engine, double angle) {
     const Eigen::Matrix3d place = position_variance(engine);
     const Eigen::Vector3d velocity = engine.best().velocity;
-    Change proposal{.rotation = leveller_.upright(angle)};
+    Change proposal{.rotation = E::kStartsWhereItIs ? about_up(angle) : leveller_.upright(angle)};
     proposal.velocity = proposal.rotation * velocity - velocity;
     const Discrepancy nowhere{.position = Eigen::Vector3d::Zero(), .velocity = Eigen::Vector3d::Zero()};
     const Change change = engine.start_again(

@@ -331,7 +331,7 @@ inline const char* deed(int rung, bool heading_found, bool stays) {
     if (rung < Recovery::kSensors) {
         return "position and velocity are taken from the next";
     }
-    if (stays && (heading_found || rung >= Recovery::kRestart)) {
+    if (stays && !heading_found && rung == Recovery::kRestart) {
         return "and the filter starts again where it is, with any heading";
     }
     if (heading_found) {
@@ -389,6 +389,7 @@ void InertialFilter<Interface, Engines...>::blame(E& engine, Cause cause, const 
     if (cause == Cause::start) {  // the attitude sets out anew
         was_sure_ = false;
         open_ledger(engine);
+        ledger_.guess();
     }
     recovery_.doubt(clock_);
     if (log_->listens()) {
@@ -425,13 +426,13 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
         if (rung == Recovery::kLast && !found) {
             angle = euler_angles(engine.best().q_bn.toRotationMatrix()).heading - recovery_.next_heading();
         }
-        Change proposal{.rotation = finder_.upright(angle)};
-        if (directed) {
+        Change proposal{.rotation = E::kStartsWhereItIs ? about_up(angle) : finder_.upright(angle)};
+        if (directed && !E::kStartsWhereItIs) {
             proposal.velocity = -off.velocity;
             proposal.displacement = -off.position;
         }
-        const double near = found ? Recovery::kTilt + finder_.sigma() : Recovery::kHeading;
-        const double sigma = E::kStartsWhereItIs ? Recovery::kAnyHeading : near;
+        const double untold = E::kStartsWhereItIs ? Recovery::kAnyHeading : Recovery::kHeading;
+        const double sigma = found ? Recovery::kTilt + finder_.sigma() : untold;
         const Change change = engine.start_again(proposal, {Recovery::kTilt, Recovery::kTilt, sigma}, off);
         turn(change.rotation);
         history_.shift(change.velocity, change.displacement);

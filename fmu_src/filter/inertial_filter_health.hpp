@@ -105,6 +105,7 @@ void InertialFilter<Interface, Engines...>::publish_status() {
                                       .coarse = coarse,
                                       .recovering = recovery_.under_way(clock_),
                                       .consistent = against == Contradiction::none,
+                                      .measured = ledger_.measured(outputs.heading_sigma),
                                       .heading_sigma = outputs.heading_sigma},
                                      {.heading_sigma = parameters.convergence.heading_sigma,
                                       .hold_time = parameters.convergence.hold_time,

@@ -52,9 +52,10 @@ class NavigationEngine : public Engine<M> {
     // Moves the mechanisation in what the model has no states for: velocity [m/s] and position [m], ENU.
     void move(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement);
 
-    // Starts again where it is, with the prior and an attitude of these sigmas [rad]; position and velocity
-    // are as uncertain as the fix is far off. Returns what changed, which is nothing: the equations of its
-    // errors find any heading from here, and they do it sooner with what has been learned of the sensors.
+    // Starts again where it is but for the heading that is proposed, with the prior and an attitude of these
+    // sigmas [rad]; position and velocity are as uncertain as the fix is far off. Tilts and what has been
+    // learned of the sensors stay: with them the equations of its errors find the heading sooner. Returns
+    // what changed.
     Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma, const Discrepancy& off,
                        bool has_fixes = true);
 
@@ -80,22 +81,38 @@ class NavigationEngine : public Engine<M> {
     template <class Archive>
     void serialize(Archive& archive) {
         Base::serialize(archive);
-        archive(average_);
+        archive(average_, elapsed_, uncorrected_, lag_);
     }
 
   private:
-    // Variance of the attitude that the estimate does not know of. A model without biases aligns with them:
-    // the tilts end off by nabla / g, the heading by eps / (w_ie cos L) (Zhao 2012, section 3).
-    [[nodiscard]] Eigen::Vector3d left_out() const;
+    static constexpr bool kLeavesBiasesOut = Where::gyro.count == 0 && Where::accelerometer.count == 0;
+
+    // What the estimate does not know of. A model without biases aligns with them: the tilts end off by
+    // nabla / g, the heading by eps / (w_ie cos L) (Zhao 2012, section 3), and the velocity by what they add
+    // to it before corrections take it away.
+    [[nodiscard]] Uncertainty left_out() const
+        requires kLeavesBiasesOut;
+
+    // A correction has been made of a covariance that was `before`.
+    void note_lag(const Matrix<Base::kStates>& before)
+        requires kLeavesBiasesOut;
 
     using Base::mechanisation_;
     IntervalAverage average_;
+    // Where biases are left out: time since the start and since the last correction [s], and by how much the
+    // velocity is off for a unit of gyro bias [m], east and north, and of accelerometer bias [s], up.
+    double elapsed_ = 0.0;
+    double uncorrected_ = 0.0;
+    Eigen::Vector3d lag_ = Eigen::Vector3d::Zero();
 };
 
 template <ErrorModel M>
 void NavigationEngine<M>::start(const Start& start) {
     this->set_out(start);
     average_ = IntervalAverage{};
+    elapsed_ = 0.0;
+    uncorrected_ = 0.0;
+    lag_.setZero();
     estimator.state.setZero();
 }
 
@@ -110,6 +127,8 @@ Prediction NavigationEngine<M>::mechanise(const ImuIncrement& increment) {
 template <ErrorModel M>
 Prediction NavigationEngine<M>::predict() {
     const typename M::Interval interval(average_, mechanisation_.state.position, estimator.state);
+    elapsed_ += average_.duration();
+    uncorrected_ += average_.duration();
     average_ = IntervalAverage{};
     return estimator.predict(interval);
 }
@@ -127,9 +146,13 @@ auto NavigationEngine<M>::innovate(const Sighting& seen, const typename M::Fix& 
 template <ErrorModel M>
 Change NavigationEngine<M>::apply(const Correction<Base::kStates, Base::kMeasurements>& correction,
                                   const Appended* constants) {
+    [[maybe_unused]] const Matrix<Base::kStates> before_it = estimator.covariance;
     estimator.apply(correction, constants);
     if (!estimator.state.allFinite() || !estimator.covariance.allFinite()) {
         return {.finite = false};
+    }
+    if constexpr (kLeavesBiasesOut) {
+        note_lag(before_it);
     }
     this->found_ = components(estimator.state, Where::attitude);
     const NavigationState before = mechanisation_.state;
@@ -151,13 +174,17 @@ void NavigationEngine<M>::move(const Eigen::Vector3d& velocity, const Eigen::Vec
 }
 
 template <ErrorModel M>
-Change NavigationEngine<M>::start_again(const Change& /*proposal*/, const Eigen::Vector3d& attitude_sigma,
+Change NavigationEngine<M>::start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma,
                                         const Discrepancy& off, bool /*has_fixes*/) {
+    mechanisation_.state = proposal.of(mechanisation_.state);
+    if (!proposal.rotation.isIdentity()) {  // the heading was found for the mechanisation
+        estimator.state(Where::attitude.first + 2) = 0.0;
+    }
     this->forget();
     this->add_uncertainty({.attitude = attitude_sigma.cwiseAbs2().asDiagonal(),
                            .velocity = off.velocity.cwiseAbs2().asDiagonal(),
                            .position = off.position.cwiseAbs2().asDiagonal()});
-    return {};
+    return proposal;
 }
 
 template <ErrorModel M>
@@ -180,24 +207,56 @@ auto NavigationEngine<M>::navigation_errors() const -> Matrix<aiding::kErrors, B
 template <ErrorModel M>
 auto NavigationEngine<M>::covariance() const -> Matrix<Base::kStates> {
     Matrix<Base::kStates> P = feedback ? estimator.covariance : estimator.covariance_of_remaining();
-    P.diagonal().template segment<3>(Where::attitude.first) += left_out();
+    if constexpr (kLeavesBiasesOut) {
+        const Uncertainty more = left_out();
+        P.template block<3, 3>(Where::attitude.first, Where::attitude.first) += more.attitude;
+        P.template block<3, 3>(Where::velocity.first, Where::velocity.first) += more.velocity;
+    }
     return P;
 }
 
 template <ErrorModel M>
-Eigen::Vector3d NavigationEngine<M>::left_out() const {
-    if constexpr (Where::gyro.count > 0 || Where::accelerometer.count > 0) {
-        return Eigen::Vector3d::Zero();
-    }
+Uncertainty NavigationEngine<M>::left_out() const
+    requires kLeavesBiasesOut
+{
     const double north_rate = earth::rate(mechanisation_.state.position.latitude).y();
     const double tilt = accelerometer_bias_sigma / earth::kStandardGravity;
     const double heading = std::min(gyro_bias_sigma / north_rate, std::numbers::pi);
-    return Eigen::Vector3d(tilt, tilt, heading).cwiseAbs2();
+    const Eigen::Vector3d biases(gyro_bias_sigma, gyro_bias_sigma, accelerometer_bias_sigma);
+    Uncertainty more;
+    more.attitude.diagonal() = Eigen::Vector3d(tilt, tilt, heading).cwiseAbs2();
+    more.velocity.diagonal() = biases.cwiseProduct(lag_).cwiseAbs2();
+    return more;
+}
+
+// What a constant error leaves behind is what it adds between two corrections over the gain by which they
+// take it away: of an accelerometer the vertical velocity itself, of a gyro a tilt, by the horizontal
+// velocity that shows it. It is no more than what the error adds in the time that there was.
+template <ErrorModel M>
+void NavigationEngine<M>::note_lag(const Matrix<Base::kStates>& before)
+    requires kLeavesBiasesOut
+{
+    if (uncorrected_ <= 0.0) {
+        return;
+    }
+    static_assert(Where::velocity.count == 3);
+    constexpr int a = Where::attitude.first;
+    constexpr int v = Where::velocity.first;
+    const Matrix<Base::kStates> taken = before - estimator.covariance;
+    const Eigen::Vector3d shown(taken(a + 1, v), taken(a, v + 1), taken(v + 2, v + 2));
+    const Eigen::Vector3d gain = shown.cwiseAbs().cwiseQuotient(before.diagonal().template segment<3>(v));
+    const double fallen = 0.5 * earth::kStandardGravity * elapsed_ * elapsed_;
+    lag_ = (uncorrected_ * gain.cwiseInverse()).cwiseMin(Eigen::Vector3d(fallen, fallen, elapsed_));
+    uncorrected_ = 0.0;
 }
 
 template <ErrorModel M>
 Eigen::Vector3d NavigationEngine<M>::misalignment_sigma() const {
-    return (Base::misalignment_sigma().cwiseAbs2() + left_out()).cwiseSqrt();
+    Eigen::Vector3d variance = Base::misalignment_sigma().cwiseAbs2();
+    if constexpr (kLeavesBiasesOut) {
+        variance += left_out().attitude.diagonal();
+    }
+    return variance.cwiseSqrt();
 }
 
 template <ErrorModel M>

@@ -11,8 +11,8 @@
 //      equations take. Each time the gate stands open for twice as long, up to 32 times gate.patience
 //
 // Where changes of velocity tell the heading (heading_finder.hpp), it is taken from there from the second
-// rung on. A model of the errors of a mechanisation, which goes on, keeps its attitude and what it has
-// learned of the sensors instead: its equations start with any heading.
+// rung on. A model of the errors of a mechanisation, which goes on, keeps its tilts and what it has learned
+// of the sensors, and on the fourth rung its heading too: its equations start with most.
 //
 // The filter climbs a rung each time that the gate has refused gate.patience fixes in a row, and is back on
 // the ground when it has gone without for twice kCalm.

@@ -53,5 +53,17 @@ TEST(AttitudeLedger, AllowsForTheTiltThatAWrongHeadingMakes) {
     EXPECT_NEAR(ledger.deviate(700.0, {}), 10.0, 1e-9);
 }
 
+TEST(AttitudeLedger, AsksForMeasurementsWhereItsVarianceIsAGuess) {
+    AttitudeLedger ledger;
+    ledger.open(Vector3d(1.0, 1.0, 0.02).cwiseAbs2());
+    EXPECT_TRUE(ledger.measured(0.02));
+    ledger.guess();
+    EXPECT_FALSE(ledger.measured(0.02));
+    EXPECT_FALSE(ledger.measured(0.0142));
+    EXPECT_TRUE(ledger.measured(0.0141));
+    ledger.open(Vector3d(1.0, 1.0, 0.02).cwiseAbs2());
+    EXPECT_TRUE(ledger.measured(0.02));
+}
+
 }  // namespace
 }  // namespace truenorth

@@ -17,6 +17,7 @@ FilterStatus::Evidence evidence(double heading_sigma, bool sensing = true, bool 
             .coarse = coarse,
             .recovering = false,
             .consistent = true,
+            .measured = true,
             .heading_sigma = heading_sigma};
 }
 
@@ -98,6 +99,18 @@ TEST(FilterStatus, IsInconsistentWhileTheInnovationsContradictAndTheHoldTimeBegi
     EXPECT_EQ(status.judge(27.0, contradicted, kRules), State::coasting);
     EXPECT_EQ(with_fixes(status, 28, 37, kGood), State::aligning);
     EXPECT_EQ(with_fixes(status, 38, 38, kGood), State::converged);
+}
+
+TEST(FilterStatus, AlignsUntilAHeadingThatWasGuessedIsMeasured) {
+    FilterStatus status;
+    status.start(0.0);
+    ASSERT_EQ(with_fixes(status, 1, 20, kGood), State::converged);
+    FilterStatus::Evidence guessed = evidence(kGood);
+    guessed.measured = false;
+    status.use_fix(21.0);
+    EXPECT_EQ(status.judge(21.0, guessed, kRules), State::aligning);
+    EXPECT_EQ(with_fixes(status, 22, 31, kGood), State::aligning);
+    EXPECT_EQ(with_fixes(status, 32, 32, kGood), State::converged);
 }
 
 TEST(FilterStatus, NothingThatSpeaksAgainstItIsConvergedAndTheHoldTimeBeginsAgain) {

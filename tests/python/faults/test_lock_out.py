@@ -56,6 +56,16 @@ def test_a_heading_as_wrong_as_its_prior_is_found(model, error, drive, navigatio
     assert wrong(out, horizontal, heading).sum() * EVERY / RATE < 10.0
 
 
+@pytest.mark.parametrize("error", [-165.0, -120.0, 100.0, 150.0, 180.0])
+def test_a_heading_that_its_prior_excludes_is_found(error, drive, navigation) -> None:
+    """From more than a quarter turn off the equations of the errors lead away: another heading is taken."""
+    out, horizontal, heading, _ = drives(navigation, drive, "loose", error)
+    late = slice(int(300 * RATE / EVERY), None)
+    assert np.max(horizontal[late]) < 0.1
+    assert np.degrees(np.max(np.abs(heading[late]))) < 1.0
+    assert wrong(out, horizontal, heading).sum() * EVERY / RATE < 10.0
+
+
 TUNINGS = [
     *(
         ("loose", name)
