@@ -38,6 +38,7 @@ def test_bands_name_a_scenario_its_filters_and_their_reason(name: str, fmus: Fmu
 
 SHORT = """
 scenarios = ["{name}"]
+filters = ["UKF"]
 set = {{ duration = {duration}, "evaluation.start" = 10.0 }}
 
 [[expect]]
@@ -80,7 +81,7 @@ def test_bands_that_are_interrupted_go_on(
     """Between and within scenarios; what is done is not done again, and says the same as in one go."""
     bands = tmp_path_factory.mktemp("bands")
     for name in ("turn", "zigzag"):  # runs that take long enough to be interrupted
-        text = SHORT.format(name=name, duration=400.0, why="ok", high=1e6)
+        text = SHORT.format(name=name, duration=150.0, why="ok", high=1e6)
         (bands / f"{name}.toml").write_text(text, encoding="utf-8")
     asked = command(bands, "--only", "turn", "zigzag", "-n", 3, "--json", "-o", tmp_path)
     with subprocess.Popen(asked, stdout=-1, stderr=-1, text=True, start_new_session=True) as running:

@@ -99,7 +99,7 @@ def test_a_killed_campaign_resumes(
 
 
 def test_an_interruption_says_how_to_resume(tmp_path: Path) -> None:
-    with process([*COMMAND, "--set", "duration=600.0", "--output", str(tmp_path)]) as running:
+    with process([*COMMAND, "--set", "duration=200.0", "--output", str(tmp_path)]) as running:
         wait_for(lambda: finished(tmp_path) >= 2)
         os.killpg(running.pid, signal.SIGINT)  # as a terminal does
         _, said = running.communicate(timeout=300)
