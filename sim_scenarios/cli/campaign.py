@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 MOST_FAILURES: Final = 5
 """Reasons of failed runs that are told."""
+MANY_PICTURES: Final = 20
+"""Of a report, whose drawing takes long enough to be told of."""
 
 OVERWRITE: Final = "--overwrite"
 
@@ -162,7 +164,12 @@ def written(campaign: Campaign) -> tuple[list[CaseSummary], list[Row], dict[str,
 
     data, plan, measured = store.open_results(campaign.folder), campaign.plan, campaign.measured()
     cases = list(summarise(data, plan))
-    return cases, measured, page.write(data, cases, campaign.folder, plan.expect, measured)
+
+    def report(done: int, total: int) -> None:
+        if total >= MANY_PICTURES and 10 * done // total > 10 * (done - 1) // total:
+            print(f"{plan.name}: {done} of {total} pictures", file=sys.stderr, flush=True)
+
+    return cases, measured, page.write(data, cases, campaign.folder, plan.expect, measured, report)
 
 
 def run_or_say_how_to_go_on(campaign: Campaign, **how: Any) -> Effort:

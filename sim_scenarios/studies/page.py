@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -37,13 +37,18 @@ def write(
     folder: Path,
     expect: Sequence[Expectations] = (),
     measured: Sequence[Row] = (),
+    report: Callable[[int, int], None] = lambda _done, _total: None,
 ) -> dict[str, str]:
-    """Write page, pictures and tables into a folder, with what is expected and was measured; their paths."""
+    """Write page, pictures and tables into a folder, with what is expected and was measured; their paths.
+
+    `report` is told after each picture how many are done, and of how many.
+    """
     expected = table.expectations(measured)
     names = file_names(case.label for case in cases)
     with filled(folder, anew=True) as draft:
-        for case in cases:
+        for done, case in enumerate(cases, start=1):
             pictures.draw(case, draft / names[case.label])
+            report(done, len(cases))
         overviews = [rows for _, rows in _overviews(data, cases)]
         tables = [rows for rows in (expected, *overviews) if rows]
         (draft / "table.md").write_text("\n".join(map(markdown.table, tables)), encoding="utf-8")

@@ -31,6 +31,16 @@ def test_a_complete_campaign_is_reported_again(plan_file: Path, results_folder: 
             assert all(cell in result.stdout for cell in row)
 
 
+def test_it_says_how_far_many_pictures_are(
+    plan_file: Path, results_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert "pictures" not in campaign(plan_file, "-o", results_folder).stderr
+    monkeypatch.setattr("sim_scenarios.cli.campaign.MANY_PICTURES", 2)
+    count = len(list(summarise(open_results(results_folder))))
+    said = campaign(plan_file, "-o", results_folder).stderr
+    assert f"courses: {count} of {count} pictures" in said.splitlines()
+
+
 def test_json_alone_stands_on_standard_output(plan_file: Path, results_folder: Path) -> None:
     result = campaign(plan_file, "-o", results_folder, "--json")
     content = json.loads(result.stdout)
