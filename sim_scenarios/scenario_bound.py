@@ -15,6 +15,7 @@ from sim_scenarios import attitude
 from sim_scenarios.bounds import POSITION, Knowledge, Log, Trajectory, cramer_rao
 from sim_scenarios.connection import TRUTH, driver, parameter, start_plant, stride
 from sim_scenarios.cosimulation import FmuSource, Table
+from sim_scenarios.errors import SimulationError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus
 from sim_scenarios.instance import Port
 from sim_scenarios.provenance import attributes
@@ -85,6 +86,7 @@ def bound_of(scenario: Scenario, fmus: Fmus) -> xr.Dataset:
     """Posterior Cramer-Rao bound along the true trajectory of a loaded scenario.
 
     Beside it, where the vehicle manoeuvres, that of the same motion without: what the manoeuvres are worth.
+    It is left out where that motion ends before the scenario does, at a pole, say.
     """
     true = _true_trajectory(scenario, fmus)
     time = ("time", true.time, {"units": "s"})
@@ -93,7 +95,11 @@ def bound_of(scenario: Scenario, fmus: Fmus) -> xr.Dataset:
     manoeuvres = [name for name, value in scenario.plant.items() if name.startswith(MANOEUVRES) and value]
     if manoeuvres:
         steady = scenario.model_copy(update={"plant": {**scenario.plant, **dict.fromkeys(manoeuvres, 0.0)}})
-        without = with_bound(xr.Dataset(), _true_trajectory(steady, fmus), steady, fmus)
+        try:
+            straight_on = _true_trajectory(steady, fmus)
+        except SimulationError:
+            return data
+        without = with_bound(xr.Dataset(), straight_on, steady, fmus)
         data["bound.heading_sigma_steady"] = without["bound.heading_sigma"]
         data["bound.heading_sigma_steady"].attrs["description"] += " without the manoeuvres"
         data.attrs["bound.heading_rms_steady"] = without.attrs["bound.heading_rms"]

@@ -67,6 +67,18 @@ def test_the_bound_shows_what_manoeuvres_are_worth(fmus: Fmus) -> None:
     assert "bound.heading_rms_steady" not in steady.attrs
 
 
+def test_a_motion_that_needs_its_manoeuvres_has_a_bound(fmus: Fmus) -> None:
+    """Straight on, this flight comes to the pole."""
+    far, near = ({"motion.latitude": latitude, "imu.rate": 10.0} for latitude in ("80 deg", "89.7 deg"))
+    assert "bound.heading_rms_steady" in bound("flight_constant_speed", set=far, fmus=fmus).attrs
+    found = bound("flight_constant_speed", set=near, fmus=fmus)
+    assert 0.0 < found.attrs["bound.heading_rms"] < np.pi
+    assert "bound.heading_rms_steady" not in found.attrs
+    assert (
+        "bound.heading_rms_steady" in bound("flight_constant_speed", set={"imu.rate": 10.0}, fmus=fmus).attrs
+    )
+
+
 def test_the_bound_of_a_scenario_knows_its_lever_arm_and_says_what_it_leaves_out(fmus) -> None:
     data = bound("swaying_ship", fmus=fmus, set={"plant.gnss.lever_arm": [0, 30, 0], "gnss.latency": 0.5})
     expected = cramer_rao(trajectories.ship(TIME), Knowledge(lever_arm=(0.0, 30.0, 0.0)))
