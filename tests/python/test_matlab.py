@@ -46,3 +46,10 @@ def test_a_type_that_ends_the_reader(bits: int) -> None:
     damaged[doubles : doubles + 4] = (9 ^ bits).to_bytes(4, "little")
     with pytest.raises(InputError, match=r"x\.mat: cannot be read as a MATLAB file: .+"):
         matlab.tables(Path("x.mat"), bytes(damaged))
+
+
+@pytest.mark.parametrize("python", [None, "", "/no/such/python"])
+def test_without_a_python_to_start(python: str | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.executable", python)
+    with pytest.raises(InputError, match=r"x\.mat: is read by a Python of its own"):
+        matlab.tables(Path("x.mat"), content({"imu": np.ones((5, 7))}))
