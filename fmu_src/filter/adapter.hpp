@@ -13,6 +13,7 @@
 //   publish(outputs, x, sigma)  optional: outputs of the states that are no Block
 //   blame(P, more)           optional: the variance that an Uncertainty gives to states that are no Block
 //   discrepancy(residual)    optional: how far off a fix is; else as its position and velocity say
+//   small_angles             optional: its equations hold for small misalignments alone
 //   renewed(port, restart)   optional: calls restart(i) when measurement i comes from another source
 //
 // Estimator and correctors of a model are compiled in the adapter's own source file, once for every

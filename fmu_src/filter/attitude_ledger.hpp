@@ -24,11 +24,6 @@ class AttitudeLedger {
     // That variance is a guess: the one of before has been found wrong, and nobody knows by how much.
     void guess() { guessed_ = true; }
 
-    // Whether what was measured since weighs more than the guess in a heading of this sigma [rad].
-    [[nodiscard]] bool measured(double heading_sigma) const {
-        return !guessed_ || heading_sigma * heading_sigma < 0.5 * variance_.z();
-    }
-
     // It has become uncertain by so much more.
     void doubt(const Eigen::Vector3d& variance) { variance_ += variance; }
 
@@ -49,11 +44,13 @@ class AttitudeLedger {
 
     // By how many sigmas it has been corrected, `elapsed` seconds after it set out.
     [[nodiscard]] double deviate(double elapsed, const Gyros& gyros) const {
-        const double drift = gyros.bias * elapsed;
-        const double walk = gyros.random_walk * gyros.random_walk * elapsed +
-                            gyros.bias_random_walk * gyros.bias_random_walk * std::pow(elapsed, 3) / 3.0;
-        const Eigen::Array3d added = Eigen::Array3d(leant_, leant_, 0.0).square() + drift * drift + walk;
+        const Eigen::Array3d added = Eigen::Array3d(leant_, leant_, 0.0).square() + drift(elapsed, gyros);
         return (corrected_.array().square() / (variance_.array() + added)).sqrt().maxCoeff();
+    }
+
+    // Whether what was measured since weighs more than the guess in a heading of this sigma [rad].
+    [[nodiscard]] bool measured(double heading_sigma, double elapsed, const Gyros& gyros) const {
+        return !guessed_ || heading_sigma * heading_sigma < 0.5 * (variance_.z() + drift(elapsed, gyros));
     }
 
     template <class Archive>
@@ -62,6 +59,12 @@ class AttitudeLedger {
     }
 
   private:
+    // Variance that gyros have added to each axis [rad2].
+    [[nodiscard]] static double drift(double elapsed, const Gyros& gyros) {
+        return std::pow(gyros.bias * elapsed, 2) + gyros.random_walk * gyros.random_walk * elapsed +
+               gyros.bias_random_walk * gyros.bias_random_walk * std::pow(elapsed, 3) / 3.0;
+    }
+
     Eigen::Vector3d variance_ = Eigen::Vector3d::Ones();
     Eigen::Vector3d corrected_ = Eigen::Vector3d::Zero();
     double leant_ = 0.0;  // by a wrong heading [rad]

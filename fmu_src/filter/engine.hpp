@@ -33,7 +33,8 @@ class Engine {
     static constexpr int kStates = M::kStates;
     static constexpr int kMeasurements = M::kMeasurements;
     static constexpr bool kFindsPosition = Where::position.count > 0;
-    static constexpr bool kStartsWhereItIs = false;  // at a new start its tilts and its place stay
+    static constexpr bool kStartsWhereItIs = false;  // at a new start its tilts and its place stay,
+    static constexpr bool kKeepsHeading = false;     // and so does its heading
 
     // Settings; they follow from the parameters and are not part of a saved state, unlike what they learn.
     Estimator<M> estimator;

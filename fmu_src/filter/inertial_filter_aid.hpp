@@ -8,7 +8,7 @@
 namespace truenorth {
 
 // What a rung of the way back does without fixes.
-inline const char* deed_without_fixes(int rung, bool stays) {
+inline const char* deed_without_fixes(int rung, bool stays, bool keeps_heading) {
     if (rung < Recovery::kSensors) {
         return "";
     }
@@ -21,8 +21,9 @@ inline const char* deed_without_fixes(int rung, bool stays) {
     if (!stays) {
         return ", and the filter starts again, level as the force says, with any heading";
     }
-    return rung < Recovery::kLast ? ", and the filter starts again where it is, with any heading"
-                                  : ", and the filter starts again, with another heading";
+    return keeps_heading || rung < Recovery::kLast
+               ? ", and the filter starts again where it is, with any heading"
+               : ", and the filter starts again, with another heading";
 }
 
 // Whether anything came; `sampled`: with a sample of the IMU, or one that was refused.
@@ -213,7 +214,12 @@ template <class E>
 void InertialFilter<Interface, Engines...>::start_again_level(E& engine, double angle) {
     const Eigen::Matrix3d place = position_variance(engine);
     const Eigen::Vector3d velocity = engine.best().velocity;
-    Change proposal{.rotation = E::kStartsWhereItIs ? about_up(angle) : leveller_.upright(angle)};
+    Change proposal;
+    if constexpr (!E::kStartsWhereItIs) {
+        proposal.rotation = leveller_.upright(angle);
+    } else if constexpr (!E::kKeepsHeading) {
+        proposal.rotation = about_up(angle);
+    }
     proposal.velocity = proposal.rotation * velocity - velocity;
     const Discrepancy nowhere{.position = Eigen::Vector3d::Zero(), .velocity = Eigen::Vector3d::Zero()};
     const Change change = engine.start_again(
@@ -258,10 +264,11 @@ void InertialFilter<Interface, Engines...>::recover_by(E& engine, const AidDoubt
         log_->event(text("the gate refused ", parameters.gate.patience, " measurements in a row of ",
                          doubt.name, " until ", rounded(clock_),
                          " s (gate.patience), without fixes that say otherwise: the prediction is blamed",
-                         deed_without_fixes(rung, E::kStartsWhereItIs)));
+                         deed_without_fixes(rung, E::kStartsWhereItIs, E::kKeepsHeading)));
     }
     if (rung >= Recovery::kRestart) {
-        const double now = euler_angles(engine.best().q_bn.toRotationMatrix()).heading;
+        const NavigationState& state = E::kStartsWhereItIs ? engine.mechanisation().state : engine.best();
+        const double now = euler_angles(state.q_bn.toRotationMatrix()).heading;
         start_again_level(engine, rung == Recovery::kLast ? now - recovery_.next_heading() : 0.0);
     }
     Uncertainty more = doubt.prediction;

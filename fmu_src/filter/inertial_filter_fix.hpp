@@ -326,12 +326,16 @@ void InertialFilter<Interface, Engines...>::scale(E& engine) {
     scale_h_infinity(engine, parameters, std::min(imu_.time() - last_fix_, left));
 }
 
+// Fixes after which what is wrong of the start is no longer the position or the velocity.
+inline constexpr double kSettled = 10.0;
+
 // What a rung of the way back does.
-inline const char* deed(int rung, bool heading_found, bool stays) {
+inline const char* deed(int rung, bool heading_found, bool stays, bool keeps_heading) {
     if (rung < Recovery::kSensors) {
         return "position and velocity are taken from the next";
     }
-    if (stays && !heading_found && rung == Recovery::kRestart) {
+    if (keeps_heading ? heading_found || rung >= Recovery::kRestart
+                      : stays && !heading_found && rung == Recovery::kRestart) {
         return "and the filter starts again where it is, with any heading";
     }
     if (heading_found) {
@@ -388,8 +392,11 @@ void InertialFilter<Interface, Engines...>::blame(E& engine, Cause cause, const 
     engine.add_uncertainty(more);
     if (cause == Cause::start) {  // the attitude sets out anew
         was_sure_ = false;
+        const bool settled = imu_.time() - opened_ > kSettled * gnss_every_;
         open_ledger(engine);
-        ledger_.guess();
+        if (settled) {  // position and velocity were the fixes' already: it is the attitude that was wrong
+            ledger_.guess();
+        }
     }
     recovery_.doubt(clock_);
     if (log_->listens()) {
@@ -412,7 +419,7 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
     if (log_->listens()) {
         log_->event(text("the gate refused ", parameters.gate.patience, " fixes in a row until ",
                          rounded(clock_), " s (gate.patience): the prediction is blamed, ",
-                         deed(rung, found, E::kStartsWhereItIs)));
+                         deed(rung, found, E::kStartsWhereItIs, E::kKeepsHeading)));
     }
     nis_window_.restart();
     engine.corrector.restart();
@@ -424,15 +431,23 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
     if (again) {
         double angle = found ? finder_.angle() : 0.0;
         if (rung == Recovery::kLast && !found) {
-            angle = euler_angles(engine.best().q_bn.toRotationMatrix()).heading - recovery_.next_heading();
+            const NavigationState& now = E::kStartsWhereItIs ? engine.mechanisation().state : engine.best();
+            angle = euler_angles(now.q_bn.toRotationMatrix()).heading - recovery_.next_heading();
         }
-        Change proposal{.rotation = E::kStartsWhereItIs ? about_up(angle) : finder_.upright(angle)};
-        if (directed && !E::kStartsWhereItIs) {
-            proposal.velocity = -off.velocity;
-            proposal.displacement = -off.position;
+        Change proposal;
+        double sigma = found ? Recovery::kTilt + finder_.sigma() : Recovery::kHeading;
+        if constexpr (!E::kStartsWhereItIs) {
+            proposal.rotation = finder_.upright(angle);
+            if (directed) {
+                proposal.velocity = -off.velocity;
+                proposal.displacement = -off.position;
+            }
+        } else if (E::kKeepsHeading || !found) {
+            sigma = Recovery::kAnyHeading;
         }
-        const double untold = E::kStartsWhereItIs ? Recovery::kAnyHeading : Recovery::kHeading;
-        const double sigma = found ? Recovery::kTilt + finder_.sigma() : untold;
+        if constexpr (E::kStartsWhereItIs && !E::kKeepsHeading) {
+            proposal.rotation = about_up(angle);
+        }
         const Change change = engine.start_again(proposal, {Recovery::kTilt, Recovery::kTilt, sigma}, off);
         turn(change.rotation);
         history_.shift(change.velocity, change.displacement);

@@ -98,18 +98,19 @@ void InertialFilter<Interface, Engines...>::publish_status() {
     const bool coarse = std::visit([](const auto& engine) { return engine.is_coarse(); }, engine_);
     const double delay = parameters.coasting.delay;
     const Contradiction against = contradiction();
-    const auto state = status_.judge(clock_,
-                                     {.sensing = imu_.any(),
-                                      .silent = imu_.silent_for() > imu_.patience() + kTimeTolerance,
-                                      .suspect = clock_ - imu_.suspected() < delay - kTimeTolerance,
-                                      .coarse = coarse,
-                                      .recovering = recovery_.under_way(clock_),
-                                      .consistent = against == Contradiction::none,
-                                      .measured = ledger_.measured(outputs.heading_sigma),
-                                      .heading_sigma = outputs.heading_sigma},
-                                     {.heading_sigma = parameters.convergence.heading_sigma,
-                                      .hold_time = parameters.convergence.hold_time,
-                                      .coasting_delay = delay});
+    const auto state =
+        status_.judge(clock_,
+                      {.sensing = imu_.any(),
+                       .silent = imu_.silent_for() > imu_.patience() + kTimeTolerance,
+                       .suspect = clock_ - imu_.suspected() < delay - kTimeTolerance,
+                       .coarse = coarse,
+                       .recovering = recovery_.under_way(clock_),
+                       .consistent = against == Contradiction::none,
+                       .measured = ledger_.measured(outputs.heading_sigma, imu_.time() - opened_, gyros()),
+                       .heading_sigma = outputs.heading_sigma},
+                      {.heading_sigma = parameters.convergence.heading_sigma,
+                       .hold_time = parameters.convergence.hold_time,
+                       .coasting_delay = delay});
     using State = FilterStatus::State;
     using Status = typename Interface::Status;
     constexpr auto same = [](Status status, State internal) {

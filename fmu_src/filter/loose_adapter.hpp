@@ -9,6 +9,7 @@ namespace truenorth {
 
 template <>
 struct Adapter<Loose> : PositionFix {
+    static constexpr bool small_angles = true;
     static constexpr Block attitude{.first = Loose::kPhi, .count = 3};
     static constexpr Block velocity{.first = Loose::kVelocity, .count = 3};
     static constexpr Block position{.first = Loose::kPosition, .count = 3};

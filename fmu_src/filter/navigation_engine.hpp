@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include "contract/time_tolerance.hpp"
@@ -23,6 +24,7 @@ class NavigationEngine : public Engine<M> {
     using typename Base::Where;
 
     static constexpr bool kStartsWhereItIs = true;
+    static constexpr bool kKeepsHeading = !requires { Where::small_angles; };
 
     bool feedback = true;
     // Prior sigmas, for a model that has no states for them [rad/s], [m/s2].
@@ -52,10 +54,10 @@ class NavigationEngine : public Engine<M> {
     // Moves the mechanisation in what the model has no states for: velocity [m/s] and position [m], ENU.
     void move(const Eigen::Vector3d& velocity, const Eigen::Vector3d& displacement);
 
-    // Starts again where it is but for the heading that is proposed, with the prior and an attitude of these
-    // sigmas [rad]; position and velocity are as uncertain as the fix is far off. Tilts and what has been
-    // learned of the sensors stay: with them the equations of its errors find the heading sooner. Returns
-    // what changed.
+    // Starts again where it is but for a turn of the mechanisation about up, with the prior and an attitude
+    // of these sigmas [rad]; position and velocity are as uncertain as the fix is far off. Tilts and what has
+    // been learned of the sensors stay: with them the equations of its errors find the heading sooner.
+    // Returns what changed.
     Change start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma, const Discrepancy& off,
                        bool has_fixes = true);
 
@@ -81,7 +83,7 @@ class NavigationEngine : public Engine<M> {
     template <class Archive>
     void serialize(Archive& archive) {
         Base::serialize(archive);
-        archive(average_, elapsed_, uncorrected_, lag_);
+        archive(average_, lag_);
     }
 
   private:
@@ -93,26 +95,34 @@ class NavigationEngine : public Engine<M> {
     [[nodiscard]] Uncertainty left_out() const
         requires kLeavesBiasesOut;
 
-    // A correction has been made of a covariance that was `before`.
-    void note_lag(const Matrix<Base::kStates>& before)
-        requires kLeavesBiasesOut;
+    // What unit biases have made of tilts and velocity since the start, corrections included.
+    struct Lag {
+        Eigen::Vector2d tilt = Eigen::Vector2d::Zero();   // about north and east, of a gyro [s]
+        Eigen::Vector2d speed = Eigen::Vector2d::Zero();  // east and north, of the same gyro [m]
+        double climb = 0.0;                               // of an accelerometer [s]
+        double elapsed = 0.0;                             // since the start [s]
+
+        void predict(double dt);
+
+        // A correction has made one covariance of the other.
+        void correct(const Matrix<Base::kStates>& before, const Matrix<Base::kStates>& after);
+
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(tilt, speed, climb, elapsed);
+        }
+    };
 
     using Base::mechanisation_;
     IntervalAverage average_;
-    // Where biases are left out: time since the start and since the last correction [s], and by how much the
-    // velocity is off for a unit of gyro bias [m], east and north, and of accelerometer bias [s], up.
-    double elapsed_ = 0.0;
-    double uncorrected_ = 0.0;
-    Eigen::Vector3d lag_ = Eigen::Vector3d::Zero();
+    Lag lag_;  // where biases are left out
 };
 
 template <ErrorModel M>
 void NavigationEngine<M>::start(const Start& start) {
     this->set_out(start);
     average_ = IntervalAverage{};
-    elapsed_ = 0.0;
-    uncorrected_ = 0.0;
-    lag_.setZero();
+    lag_ = Lag{};
     estimator.state.setZero();
 }
 
@@ -127,8 +137,9 @@ Prediction NavigationEngine<M>::mechanise(const ImuIncrement& increment) {
 template <ErrorModel M>
 Prediction NavigationEngine<M>::predict() {
     const typename M::Interval interval(average_, mechanisation_.state.position, estimator.state);
-    elapsed_ += average_.duration();
-    uncorrected_ += average_.duration();
+    if constexpr (kLeavesBiasesOut) {
+        lag_.predict(average_.duration());
+    }
     average_ = IntervalAverage{};
     return estimator.predict(interval);
 }
@@ -152,7 +163,7 @@ Change NavigationEngine<M>::apply(const Correction<Base::kStates, Base::kMeasure
         return {.finite = false};
     }
     if constexpr (kLeavesBiasesOut) {
-        note_lag(before_it);
+        lag_.correct(before_it, estimator.covariance);
     }
     this->found_ = components(estimator.state, Where::attitude);
     const NavigationState before = mechanisation_.state;
@@ -177,8 +188,10 @@ template <ErrorModel M>
 Change NavigationEngine<M>::start_again(const Change& proposal, const Eigen::Vector3d& attitude_sigma,
                                         const Discrepancy& off, bool /*has_fixes*/) {
     mechanisation_.state = proposal.of(mechanisation_.state);
-    if (!proposal.rotation.isIdentity()) {  // the heading was found for the mechanisation
-        estimator.state(Where::attitude.first + 2) = 0.0;
+    if (!proposal.rotation.isIdentity()) {  // without feedback, it takes the place of an estimated heading
+        auto misalignment = estimator.state.template segment<3>(Where::attitude.first);
+        misalignment = (proposal.rotation * misalignment).eval();
+        misalignment.z() = 0.0;
     }
     this->forget();
     this->add_uncertainty({.attitude = attitude_sigma.cwiseAbs2().asDiagonal(),
@@ -222,32 +235,39 @@ Uncertainty NavigationEngine<M>::left_out() const
     const double north_rate = earth::rate(mechanisation_.state.position.latitude).y();
     const double tilt = accelerometer_bias_sigma / earth::kStandardGravity;
     const double heading = std::min(gyro_bias_sigma / north_rate, std::numbers::pi);
-    const Eigen::Vector3d biases(gyro_bias_sigma, gyro_bias_sigma, accelerometer_bias_sigma);
     Uncertainty more;
     more.attitude.diagonal() = Eigen::Vector3d(tilt, tilt, heading).cwiseAbs2();
-    more.velocity.diagonal() = biases.cwiseProduct(lag_).cwiseAbs2();
+    more.velocity.diagonal() << (gyro_bias_sigma * lag_.speed).cwiseAbs2(),
+        std::pow(accelerometer_bias_sigma * lag_.climb, 2);
     return more;
 }
 
-// What a constant error leaves behind is what it adds between two corrections over the gain by which they
-// take it away: of an accelerometer the vertical velocity itself, of a gyro a tilt, by the horizontal
-// velocity that shows it. It is no more than what the error adds in the time that there was.
+// A gyro tilts the level frame, and gravity then moves the velocity that is across the tilt.
 template <ErrorModel M>
-void NavigationEngine<M>::note_lag(const Matrix<Base::kStates>& before)
-    requires kLeavesBiasesOut
-{
-    if (uncorrected_ <= 0.0) {
-        return;
-    }
-    static_assert(Where::velocity.count == 3);
+void NavigationEngine<M>::Lag::predict(double dt) {
+    speed += earth::kStandardGravity * dt * (tilt + Eigen::Vector2d::Constant(0.5 * dt));
+    tilt.array() += dt;
+    climb += dt;
+    elapsed += dt;
+}
+
+// The gains are those by which a measured velocity changed itself and the tilt that it shows. Whatever they
+// are, nothing is further off than it would be without corrections.
+template <ErrorModel M>
+void NavigationEngine<M>::Lag::correct(const Matrix<Base::kStates>& before,
+                                       const Matrix<Base::kStates>& after) {
     constexpr int a = Where::attitude.first;
     constexpr int v = Where::velocity.first;
-    const Matrix<Base::kStates> taken = before - estimator.covariance;
-    const Eigen::Vector3d shown(taken(a + 1, v), taken(a, v + 1), taken(v + 2, v + 2));
-    const Eigen::Vector3d gain = shown.cwiseAbs().cwiseQuotient(before.diagonal().template segment<3>(v));
-    const double fallen = 0.5 * earth::kStandardGravity * elapsed_ * elapsed_;
-    lag_ = (uncorrected_ * gain.cwiseInverse()).cwiseMin(Eigen::Vector3d(fallen, fallen, elapsed_));
-    uncorrected_ = 0.0;
+    const Matrix<Base::kStates> taken = before - after;
+    const Eigen::Array3d variance =
+        before.diagonal().template segment<3>(v).cwiseMax(std::numeric_limits<double>::min());
+    const Eigen::Array3d gain =
+        (taken.diagonal().template segment<3>(v).array() / variance).min(1.0).max(0.0);
+    const Eigen::Array2d shown = Eigen::Array2d(taken(a + 1, v), taken(a, v + 1)).abs() / variance.head<2>();
+    const double fallen = 0.5 * earth::kStandardGravity * elapsed * elapsed;
+    tilt = (tilt.array() - shown * speed.array()).min(elapsed).max(-elapsed);
+    speed = (speed.array() * (1.0 - gain.head<2>())).min(fallen).max(-fallen);
+    climb *= 1.0 - gain(2);
 }
 
 template <ErrorModel M>

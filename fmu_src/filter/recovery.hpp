@@ -12,7 +12,7 @@
 //
 // Where changes of velocity tell the heading (heading_finder.hpp), it is taken from there from the second
 // rung on. A model of the errors of a mechanisation, which goes on, keeps its tilts and what it has learned
-// of the sensors, and on the fourth rung its heading too: its equations start with most.
+// of the sensors; and its heading, where its equations take any error, else on the fourth rung alone.
 //
 // The filter climbs a rung each time that the gate has refused gate.patience fixes in a row, and is back on
 // the ground when it has gone without for twice kCalm.

@@ -11,6 +11,7 @@ namespace truenorth {
 
 template <>
 struct Adapter<Tight> {
+    static constexpr bool small_angles = true;
     static constexpr Block attitude{.first = Tight::kPhi, .count = 3};
     static constexpr Block velocity{.first = Tight::kVelocity, .count = 3};
     static constexpr Block position{.first = Tight::kPosition, .count = 3};

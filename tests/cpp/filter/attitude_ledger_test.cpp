@@ -56,13 +56,15 @@ TEST(AttitudeLedger, AllowsForTheTiltThatAWrongHeadingMakes) {
 TEST(AttitudeLedger, AsksForMeasurementsWhereItsVarianceIsAGuess) {
     AttitudeLedger ledger;
     ledger.open(Vector3d(1.0, 1.0, 0.02).cwiseAbs2());
-    EXPECT_TRUE(ledger.measured(0.02));
+    EXPECT_TRUE(ledger.measured(0.02, 0.0, {}));
     ledger.guess();
-    EXPECT_FALSE(ledger.measured(0.02));
-    EXPECT_FALSE(ledger.measured(0.0142));
-    EXPECT_TRUE(ledger.measured(0.0141));
+    EXPECT_FALSE(ledger.measured(0.02, 0.0, {}));
+    EXPECT_FALSE(ledger.measured(0.0142, 0.0, {}));
+    EXPECT_TRUE(ledger.measured(0.0141, 0.0, {}));
+    EXPECT_TRUE(ledger.measured(0.02, 100.0, {.bias = 2.1e-4}));
+    EXPECT_FALSE(ledger.measured(0.02, 100.0, {.bias = 1.9e-4}));
     ledger.open(Vector3d(1.0, 1.0, 0.02).cwiseAbs2());
-    EXPECT_TRUE(ledger.measured(0.02));
+    EXPECT_TRUE(ledger.measured(0.02, 0.0, {}));
 }
 
 }  // namespace
