@@ -118,13 +118,22 @@ def reserved(folder: Path, what: str) -> Iterator[None]:
         Another one has; `what` says what both want to do there.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    with (folder / f".truenorth-{what}").open("wb") as lock:
+    with _opened(folder / f".truenorth-{what}") as lock:
         try:
             _lock(lock)
         except OSError as error:  # of another kind: the file system has no locks
             if error.errno in _TAKEN:
                 raise InputError(f"{folder}: another {what} is at work in it") from None
         yield
+
+
+def _opened(lock: Path) -> IO[bytes]:
+    """A file to be locked; nothing of it changes, and what only leads to another file is none."""
+    flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+    try:
+        return os.fdopen(os.open(lock, flags, 0o600), "r+b")
+    except OSError as error:
+        raise InputError(f"{lock}: cannot be locked: {error.strerror}") from None
 
 
 @cache

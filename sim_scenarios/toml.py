@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 from collections.abc import Iterator, Mapping
@@ -29,6 +30,8 @@ _DEEP_KEY: Final = re.compile(rf"(?<![\w-]){_PART}(?:[ \t]*\.[ \t]*{_PART}){{{DE
 def read(path: Path) -> dict[str, Any]:
     """Content of a file; a byte order mark, as some editors write it, is passed over."""
     try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise InputError(f"{path}: must be a file")  # no pipe, for whose end one would wait
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except OSError as error:
@@ -56,6 +59,18 @@ def value(text: str) -> object:
     except (ValueError, RecursionError):
         return text.strip()
     return text.strip() if _depth(read_value) > DEEPEST else read_value
+
+
+def comment(text: str) -> str:
+    """A line of a file that says a text, whatever the text is."""
+    return "# " + "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
+
+
+def written(content: object) -> str:
+    """A value as it is written into a file: text, numbers, truth, lists, and tables with plain names."""
+    if isinstance(content, Mapping):
+        return f"{{ {', '.join(f'{key} = {written(inner)}' for key, inner in content.items())} }}"
+    return json.dumps(content, ensure_ascii=False).replace("\x7f", "\\u007f")  # which JSON may leave as it is
 
 
 def dotted(table: object, prefix: str = "") -> Iterator[tuple[str, object]]:

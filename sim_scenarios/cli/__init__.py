@@ -60,7 +60,8 @@ def main() -> None:
             stream.reconfigure(errors="backslashreplace")
     try:
         code = _run()
-        sys.stdout.flush()
+        if sys.stdout is not None:  # as it is where it was closed from the beginning
+            sys.stdout.flush()
     except KeyboardInterrupt:
         code = INTERRUPTED
     except OSError as error:  # nobody takes what is printed

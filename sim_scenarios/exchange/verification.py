@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import gettempdir
+from typing import Final
 
 import fmpy
 from fmpy.validation import validate_fmu
@@ -30,6 +33,9 @@ KINDS = {".ssd": "Description", ".ssv": "ParameterValues"}
 TOLERANCE = 1e-9
 """Largest difference from the reference, of the largest value of each output."""
 _SHA256 = re.compile(r"[0-9a-fA-F]{64}")
+
+_NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EMFILE)
+"""What keeps this machine from looking at a part."""
 
 
 @dataclass(frozen=True)
@@ -167,6 +173,10 @@ def _looked_at(look: Callable[[Path], Check], part: Path) -> Check:
     try:
         return look(part)
     except Exception as error:  # whatever zip, XML, CSV, FMPy and the FMU raise
+        if isinstance(error, OSError) and error.errno in _NO_ROOM:  # which says nothing of the part
+            raise InputError(
+                f"{part.name}: cannot be unpacked into {gettempdir()}: {error.strerror}"
+            ) from None
         return Check(f"{_named(part)} can be read and run", False, [f"{type(error).__name__}: {error}"])
 
 

@@ -33,6 +33,7 @@ from sim_scenarios.recordings.noise_fit import Estimate, NoiseFit
 from sim_scenarios.recordings.start import Start
 from sim_scenarios.recordings.stretches import between, longest_standing
 from sim_scenarios.recordings.tables import Recording
+from sim_scenarios.toml import comment
 from sim_scenarios.units import DEGREE, HOUR
 
 Array = NDArray[np.float64]
@@ -115,9 +116,9 @@ class Derivation:
                 "# Of fixes that tell their sigmas, `replay` takes the larger of those and measurement.*.",
             ]
         if self.unused is not None:
-            lines[1:1] = [f"# {self.unused}: the stretch at rest alone is told."]
+            lines[1:1] = [comment(f"{self.unused}: the stretch at rest alone is told.")]
         for finding in self.findings:
-            lines += [f"# {line}" for line in finding.evidence]
+            lines += map(comment, finding.evidence)
             if finding.value is None:
                 lines.append(f"# {finding.name}: not told")
             else:

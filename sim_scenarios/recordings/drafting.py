@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from contextlib import suppress
@@ -34,6 +33,7 @@ from sim_scenarios.recordings.readers.columns import likely
 from sim_scenarios.recordings.readers.contents import Clock, Contents
 from sim_scenarios.recordings.readers.sheets import Sheet
 from sim_scenarios.recordings.tables import ImuTable
+from sim_scenarios.toml import comment, written
 from sim_scenarios.units import DEGREE
 
 LEVER_ARM: Final = Guess([0.0, 0.0, 0.0], "fill in: from the IMU to it, right, forward, up [m]")
@@ -124,7 +124,7 @@ def draft(files: Sequence[Path], folder: Path) -> tuple[str, list[str]]:
         parts["gnss"].entries["velocity_offset"] = Guess(round(lag.value, 4), why)
     _guess_offset(parts)
     return _text(ordered, left_out, folder), left_out + [
-        f"{part.table}.{key} = {_toml(guess.value)}: {guess.why}"
+        f"{part.table}.{key} = {written(guess.value)}: {guess.why}"
         for part in ordered
         for key, guess in part.entries.items()
     ]
@@ -345,15 +345,15 @@ def _increments(imu: Part) -> ImuTable:
 
 def _text(parts: list[Part], left_out: list[str], folder: Path) -> str:
     files = ", ".join(dict.fromkeys(part.path.name for part in parts))
-    lines = [f"# Drafted by `truenorth import` from {files}. Each guess says why; mend what is wrong."]
-    lines += [*(f"# {sentence}" for sentence in left_out), ""]
+    lines = [comment(f"Drafted by `truenorth import` from {files}. Each guess says why; mend what is wrong.")]
+    lines += [*map(comment, left_out), ""]
     imu = parts[0]
     for part in parts:
         lines.append(f"[{part.table}]")
         if part is imu or part.path != imu.path:
-            lines.append(f"file = {_toml(_relative(part.path, folder))}")
+            lines.append(f"file = {written(_relative(part.path, folder))}")
         for key, guess in part.entries.items():
-            lines += [f"# {guess.why}", f"{key} = {_toml(guess.value)}"]
+            lines += [comment(guess.why), f"{key} = {written(guess.value)}"]
         if part is imu and "axes" in part.entries:
             lines.append(_MOUNTING)
         lines.append("")
@@ -365,9 +365,3 @@ def _relative(path: Path, folder: Path) -> str:
     return (
         whole.relative_to(folder.resolve()) if whole.is_relative_to(folder.resolve()) else whole
     ).as_posix()
-
-
-def _toml(value: object) -> str:
-    if isinstance(value, dict):
-        return f"{{ {', '.join(f'{key} = {_toml(inner)}' for key, inner in value.items())} }}"
-    return json.dumps(value, ensure_ascii=False)

@@ -225,12 +225,14 @@ def workers(count: int | None, scheduler: str | None, insecure: bool = False) ->
 def _check_security(scheduler: str, insecure: bool) -> None:
     """Refuse a connection on which others may listen, or speak: whoever does, runs code at both its ends."""
     protocol, _, address = scheduler.rpartition("://")
+    if protocol not in ("", "tcp", "tls", "ws", "wss"):
+        raise InputError(f"--scheduler {scheduler}: must begin with tls://, tcp:// or ws://")
     if protocol == "tls":
         security = Security()
         missing = [v for v, n in zip(_VARIABLES, _CERTIFICATES, strict=True) if getattr(security, n) is None]
         if missing:
             raise InputError(f"--scheduler {scheduler}: TLS needs certificates; set {', '.join(missing)}")
-    elif protocol != "inproc" and not insecure and not _is_loopback(address):
+    elif not insecure and not _is_loopback(address):
         raise InputError(
             f"--scheduler {scheduler}: whoever reaches a scheduler without TLS can run code here and on its "
             "workers; start it with certificates and say tls://, or say --insecure where nobody else can"

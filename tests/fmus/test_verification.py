@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import random
 import shutil
@@ -16,7 +17,8 @@ from typer.testing import CliRunner
 
 from sim_scenarios.archives import archive_bytes, read_archive
 from sim_scenarios.cli.application import app
-from sim_scenarios.exchange import checksums, evidence, export, replay
+from sim_scenarios.errors import InputError
+from sim_scenarios.exchange import checksums, evidence, export, replay, verification
 from sim_scenarios.exchange.verification import content_of_fmu, verify
 from sim_scenarios.fmus import Fmu, Fmus
 
@@ -163,3 +165,12 @@ def test_a_file_more_or_less_is_found(folder: Path, tmp_path: Path) -> None:
     (copy / "notes.txt").write_text("mine")
     (copy / "README.md").unlink()
     assert verify(copy)[0].findings == ["README.md is missing", "notes.txt was not exported"]
+
+
+def test_a_machine_without_room_finds_nothing_wrong(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_archive: str) -> list[str]:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(verification, "validate_fmu", full)
+    with pytest.raises(InputError, match=r"cannot be unpacked into .*: No space left"):
+        verify(folder)

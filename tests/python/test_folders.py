@@ -252,3 +252,14 @@ def test_a_file_system_without_locks_does_without(tmp_path: Path, monkeypatch: p
     monkeypatch.setattr(folders, "_lock", lock)
     with reserved(tmp_path, "campaign"):
         pass
+
+
+@pytest.mark.skipif(not hasattr(os, "O_NOFOLLOW"), reason="links are followed here")
+def test_a_link_in_the_place_of_a_lock_is_not_followed(tmp_path: Path) -> None:
+    """Whoever may write into a folder would otherwise choose which file of another user is emptied."""
+    victim = tmp_path / "victim"
+    victim.write_text("precious")
+    (tmp_path / ".truenorth-campaign").symlink_to(victim)
+    with pytest.raises(InputError, match="cannot be locked"), reserved(tmp_path, "campaign"):
+        pass
+    assert victim.read_text() == "precious"

@@ -247,3 +247,9 @@ class Called:
     def __call__(self, address: str, timeout: float) -> object:  # noqa: ARG002
         self.address = address
         raise OSError("nobody")
+
+
+@pytest.mark.parametrize("scheduler", ["ucx://127.0.0.1:1", "inproc://x", "file:///etc/passwd"])
+def test_other_ways_to_a_scheduler_are_refused(scheduler: str) -> None:
+    with pytest.raises(InputError, match="must begin with tls://, tcp:// or ws://"):
+        connect(scheduler, insecure=True)

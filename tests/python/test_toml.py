@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import time
 from pathlib import Path
 
@@ -87,3 +88,21 @@ def test_a_value_that_is_none_is_a_text(text: str) -> None:
 )
 def test_values_on_the_command_line(text: str, value: object) -> None:
     assert toml.value(text) == value
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with names")
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.toml")
+    with pytest.raises(InputError, match=r"pipe\.toml: must be a file"):
+        toml.read(tmp_path / "pipe.toml")
+
+
+@pytest.mark.parametrize("text", ["plain", "two\nlines", "\x1b[2J", "\x7f", "\u2028", "caf\xe9", '"', "\\"])
+def test_what_is_written_is_read(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "x.toml"
+    path.write_text(
+        f"{toml.comment(text)}\nx = {toml.written(text)}\ny = {toml.written({'a': [1, text]})}\n",
+        encoding="utf-8",
+        newline="",
+    )
+    assert toml.read(path) == {"x": text, "y": {"a": [1, text]}}

@@ -41,6 +41,7 @@ def read(path: Path, name: str | None = None) -> Contents:
         If there is no such file or format, the file is not in it, or a package is missing that its reader
         needs.
     """
+    _check(path)
     contents: Contents = _reader(path, name or recognised(path)).read(path)
     return contents
 
@@ -53,14 +54,21 @@ def recognised(path: Path) -> str:
     InputError
         If there is no such file, or no reader takes it.
     """
-    if not path.exists():
-        raise InputError(f"there is no recording {path}")
+    _check(path)
     for name in FORMATS:
         if _reader(path, name).recognises(path):
             return name
     if path.name.casefold().removesuffix(".gz").endswith(TEXTS):
         return "csv"  # whose reader says what it lacks
     raise InputError(f"{path}: is in none of the formats {', '.join(FORMATS)}")
+
+
+def _check(path: Path) -> None:
+    """Refuse what is not there, and a pipe, for whose end one would wait."""
+    if not path.exists():
+        raise InputError(f"there is no recording {path}")
+    if not (path.is_file() or path.is_dir()):
+        raise InputError(f"{path}: must be a file or a folder")
 
 
 def _reader(path: Path, name: str) -> ModuleType:

@@ -30,3 +30,8 @@ def test_a_full_disk_is_told(length: int) -> None:
         done = command("x", length, stdout=full, stderr=subprocess.PIPE)
     assert done.returncode == 2
     assert done.stderr == "truenorth: standard output: No space left on device\n"
+
+
+def test_it_may_be_closed_from_the_beginning() -> None:
+    done = command("x", stderr=subprocess.PIPE, preexec_fn=lambda: os.close(1))
+    assert (done.returncode, done.stderr) == (0, "")

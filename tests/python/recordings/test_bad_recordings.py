@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import gzip
 import math
+import os
 import random
 import time
 from collections.abc import Callable
@@ -195,3 +196,12 @@ def test_ten_thousand_damaged_files(table: pd.DataFrame, tmp_path: Path, ending:
         with contextlib.suppress(InputError):
             feed(load(file))
         assert time.process_time() - start < 1, seed
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with names")
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "imu.csv")
+    for command in ("replay", "import"):
+        result = CliRunner().invoke(app, [command, str(tmp_path / "imu.csv")])
+        assert result.exit_code == 2
+        assert "imu.csv" in result.stderr

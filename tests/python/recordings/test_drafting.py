@@ -396,3 +396,14 @@ def test_a_real_drive_needs_its_mounting_and_lever_arm_alone(tmp_path: Path) -> 
     # A MEMS accelerometer of 0.1 m/s2, a mounting that is known to a degree or two.
     np.testing.assert_allclose(force, [0, 0, 9.8], atol=0.3)
     assert read.imu.time[0] < read.gnss.time[50] < read.gnss.time[-1] < read.imu.time[-1]
+
+
+def test_a_name_of_a_file_is_a_name_whatever_is_in_it(tmp_path: Path) -> None:
+    """A line of a name does not become one of the draft, nor a character that TOML does not take."""
+    path = tmp_path / "imu\nrate = 1\x1b[2J\x7f.csv"
+    imu_cells(WHOLE.imu).to_csv(path, index=False)
+    text, _ = draft([path], tmp_path)
+    (tmp_path / "recording.toml").write_text(text, encoding="utf-8")
+    read = toml.read(tmp_path / "recording.toml")
+    assert read["imu"]["file"] == path.name
+    assert "rate" not in read
