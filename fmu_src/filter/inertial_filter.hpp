@@ -144,6 +144,10 @@ class InertialFilter {
     template <class E, class Residual>
     void recover(E& engine, const Sighting& seen, const Residual& residual);
     template <class E>
+    [[nodiscard]] Change proposed(double angle, bool directed, const Discrepancy& off) const;
+    template <class E>
+    void start_again_at_fix(E& engine, bool another, bool directed, const Discrepancy& off);
+    template <class E>
     void blame(E& engine, Cause cause, const Discrepancy& off, double mean_square);
     void note_use(const GnssFix::Mask& measured);
     template <class E>

@@ -407,6 +407,42 @@ void InertialFilter<Interface, Engines...>::blame(E& engine, Cause cause, const 
     }
 }
 
+// What a new start proposes: a heading that is turned by this angle about up [rad], and of a model that does
+// not go on from where it is, the position and velocity of the fix if it is `directed`.
+template <class Interface, class... Engines>
+template <class E>
+Change InertialFilter<Interface, Engines...>::proposed(double angle, bool directed,
+                                                       const Discrepancy& off) const {
+    if constexpr (!E::kStartsWhereItIs) {
+        const Eigen::Vector3d velocity = directed ? Eigen::Vector3d(-off.velocity) : Eigen::Vector3d::Zero();
+        const Eigen::Vector3d place = directed ? Eigen::Vector3d(-off.position) : Eigen::Vector3d::Zero();
+        return {.rotation = finder_.upright(angle), .velocity = velocity, .displacement = place};
+    } else if constexpr (!E::kKeepsHeading) {
+        return {.rotation = about_up(angle)};
+    } else {
+        return {};
+    }
+}
+
+// Starts again at a fix, with the heading that changes of velocity tell, if they do, or with `another`.
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::start_again_at_fix(E& engine, bool another, bool directed,
+                                                               const Discrepancy& off) {
+    constexpr double kUntold = E::kStartsWhereItIs ? Recovery::kAnyHeading : Recovery::kHeading;
+    const bool found = finder_.tells();
+    double angle = found ? finder_.angle() : 0.0;
+    if (another && !found) {
+        const NavigationState& now = E::kStartsWhereItIs ? engine.mechanisation().state : engine.best();
+        angle = euler_angles(now.q_bn.toRotationMatrix()).heading - recovery_.next_heading();
+    }
+    const double sigma = found && !E::kKeepsHeading ? Recovery::kTilt + finder_.sigma() : kUntold;
+    const Change change =
+        engine.start_again(proposed<E>(angle, directed, off), {Recovery::kTilt, Recovery::kTilt, sigma}, off);
+    turn(change.rotation);
+    history_.shift(change.velocity, change.displacement);
+}
+
 // The gate has refused so many fixes in a row that something else than the fixes is to be blamed: what,
 // recovery.hpp says.
 template <class Interface, class... Engines>
@@ -429,28 +465,7 @@ void InertialFilter<Interface, Engines...>::recover(E& engine, const Sighting& s
     const bool directed = !requires { E::Where::discrepancy(residual); };
     const bool again = rung >= Recovery::kRestart || (rung >= Recovery::kSensors && found);
     if (again) {
-        double angle = found ? finder_.angle() : 0.0;
-        if (rung == Recovery::kLast && !found) {
-            const NavigationState& now = E::kStartsWhereItIs ? engine.mechanisation().state : engine.best();
-            angle = euler_angles(now.q_bn.toRotationMatrix()).heading - recovery_.next_heading();
-        }
-        Change proposal;
-        double sigma = found ? Recovery::kTilt + finder_.sigma() : Recovery::kHeading;
-        if constexpr (!E::kStartsWhereItIs) {
-            proposal.rotation = finder_.upright(angle);
-            if (directed) {
-                proposal.velocity = -off.velocity;
-                proposal.displacement = -off.position;
-            }
-        } else if (E::kKeepsHeading || !found) {
-            sigma = Recovery::kAnyHeading;
-        }
-        if constexpr (E::kStartsWhereItIs && !E::kKeepsHeading) {
-            proposal.rotation = about_up(angle);
-        }
-        const Change change = engine.start_again(proposal, {Recovery::kTilt, Recovery::kTilt, sigma}, off);
-        turn(change.rotation);
-        history_.shift(change.velocity, change.displacement);
+        start_again_at_fix(engine, rung == Recovery::kLast, directed, off);
         const auto& measurement = parameters.measurement;
         const double place = std::max(measurement.position_sigma, measurement.height_sigma);
         off = {.position = Eigen::Vector3d::Constant(place),

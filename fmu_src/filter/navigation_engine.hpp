@@ -272,11 +272,11 @@ void NavigationEngine<M>::Lag::correct(const Matrix<Base::kStates>& before,
 
 template <ErrorModel M>
 Eigen::Vector3d NavigationEngine<M>::misalignment_sigma() const {
-    Eigen::Vector3d variance = Base::misalignment_sigma().cwiseAbs2();
     if constexpr (kLeavesBiasesOut) {
-        variance += left_out().attitude.diagonal();
+        return (Base::misalignment_sigma().cwiseAbs2() + left_out().attitude.diagonal()).cwiseSqrt();
+    } else {
+        return Base::misalignment_sigma();
     }
-    return variance.cwiseSqrt();
 }
 
 template <ErrorModel M>
