@@ -151,7 +151,9 @@ def test_a_worker_with_other_fmus_is_refused(fmus: Fmus, tmp_path: Path) -> None
 def test_a_scheduler_without_workers(fmus: Fmus, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(execution, "CONNECTING", 0.5)
     with (
-        LocalCluster(n_workers=0, processes=False, dashboard_address="127.0.0.1:0") as cluster,
+        LocalCluster(
+            n_workers=0, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0"
+        ) as cluster,
         pytest.raises(InputError, match="it has no workers"),
     ):
         run(tmp_path, fmus, scheduler=cluster.scheduler_address)
