@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 namespace truenorth {
 namespace {
 
@@ -101,29 +103,19 @@ TEST(FilterStatus, IsInconsistentWhileTheInnovationsContradictAndTheHoldTimeBegi
     EXPECT_EQ(with_fixes(status, 38, 38, kGood), State::converged);
 }
 
-TEST(FilterStatus, AlignsUntilAHeadingThatWasGuessedIsMeasured) {
-    FilterStatus status;
-    status.start(0.0);
-    ASSERT_EQ(with_fixes(status, 1, 20, kGood), State::converged);
-    FilterStatus::Evidence guessed = evidence(kGood);
-    guessed.measured = false;
-    status.use_fix(21.0);
-    EXPECT_EQ(status.judge(21.0, guessed, kRules), State::aligning);
-    EXPECT_EQ(with_fixes(status, 22, 31, kGood), State::aligning);
-    EXPECT_EQ(with_fixes(status, 32, 32, kGood), State::converged);
-}
-
 TEST(FilterStatus, NothingThatSpeaksAgainstItIsConvergedAndTheHoldTimeBeginsAgain) {
     using Evidence = FilterStatus::Evidence;
-    const std::pair<bool Evidence::*, State> hindrances[] = {{&Evidence::silent, State::silent},
-                                                             {&Evidence::suspect, State::suspect},
-                                                             {&Evidence::recovering, State::recovering}};
-    for (const auto& [hindrance, state] : hindrances) {
+    const std::tuple<bool Evidence::*, bool, State> hindrances[] = {
+        {&Evidence::silent, true, State::silent},
+        {&Evidence::suspect, true, State::suspect},
+        {&Evidence::recovering, true, State::recovering},
+        {&Evidence::measured, false, State::aligning}};
+    for (const auto& [hindrance, value, state] : hindrances) {
         FilterStatus status;
         status.start(0.0);
         ASSERT_EQ(with_fixes(status, 1, 20, kGood), State::converged);
         Evidence bad = evidence(kGood);
-        bad.*hindrance = true;
+        bad.*hindrance = value;
         status.use_fix(21.0);
         EXPECT_EQ(status.judge(21.0, bad, kRules), state);
         EXPECT_EQ(with_fixes(status, 22, 31, kGood), State::aligning);
