@@ -50,8 +50,33 @@ _TOPICS: Final = (
 _SPATIAL: Final = 3
 """Fix types from here on are three-dimensional."""
 
+_ROUNDS: Final = 20
+"""A log is read once, and what is damaged in it a few times more, in search of the next message."""
+
 Topic = dict[str, Any]
 """Columns of a topic by their names."""
+
+
+class _Log(BytesIO):
+    """What is in a log. The package turns back in some damaged ones for ever: here that has an end."""
+
+    def __init__(self, content: bytes) -> None:
+        super().__init__(content)
+        self._left = _ROUNDS * (len(content) + 1)
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """Bytes from here on.
+
+        Raises
+        ------
+        RuntimeError
+            If so many were read that it is no longer going on.
+        """
+        part = super().read(size)
+        self._left -= len(part) + 1
+        if self._left < 0:
+            raise RuntimeError("its messages do not end")
+        return part
 
 
 def recognises(path: Path) -> bool:
@@ -72,7 +97,7 @@ def read(path: Path) -> Contents:
     content = whole(path)
     try:
         with redirect_stdout(StringIO()):  # it prints what it finds damaged
-            log = ulog(BytesIO(content), message_name_filter_list=list(_TOPICS), disable_str_exceptions=True)
+            log = ulog(_Log(content), message_name_filter_list=list(_TOPICS), disable_str_exceptions=True)
         topics = {data.name: data.data for data in log.data_list if data.multi_id == 0}
     except Exception as error:  # of damaged bytes the package makes whatever they say
         raise InputError(f"{path}: cannot be read as a ULog: {type(error).__name__}: {error}") from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -154,6 +155,14 @@ def test_recognised(tmp_path: Path) -> None:
     (tmp_path / "b").write_bytes(b"ULog")
     assert not ulog.recognises(tmp_path / "b")
     assert not ulog.recognises(tmp_path / "there is none")
+
+
+def test_a_log_whose_messages_lead_back_comes_to_an_end(tmp_path: Path) -> None:
+    """The package goes back by the size that a message of no kind claims, not by what was there of it."""
+    path = written(tmp_path / "log.ulg", {})
+    path.write_bytes(path.read_bytes()[:16] + struct.pack("<HB", 200, 0) + bytes(100))
+    with pytest.raises(InputError, match="its messages do not end"):
+        ulog.read(path)
 
 
 def test_damaged_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
