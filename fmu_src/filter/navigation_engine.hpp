@@ -33,7 +33,7 @@ class NavigationEngine : public Engine<M> {
 
     void start(const Start& start);
 
-    // Carries the mechanisation over an increment.
+    // Carries the mechanisation over an increment; without feedback the estimate too.
     Prediction mechanise(const ImuIncrement& increment);
 
     // Time since the estimate was last carried forward [s].
@@ -131,7 +131,7 @@ Prediction NavigationEngine<M>::mechanise(const ImuIncrement& increment) {
     const NavigationState before = mechanisation_.state;
     mechanisation_.advance(this->compensated(increment));
     average_.add(before, mechanisation_, increment.dt);
-    return Prediction::sound;
+    return feedback ? Prediction::sound : predict();  // `best` takes the one out of the other
 }
 
 template <ErrorModel M>
@@ -157,13 +157,15 @@ auto NavigationEngine<M>::innovate(const Sighting& seen, const typename M::Fix& 
 template <ErrorModel M>
 Change NavigationEngine<M>::apply(const Correction<Base::kStates, Base::kMeasurements>& correction,
                                   const Appended* constants) {
-    [[maybe_unused]] const Matrix<Base::kStates> before_it = estimator.covariance;
-    estimator.apply(correction, constants);
+    if constexpr (kLeavesBiasesOut) {
+        const Matrix<Base::kStates> before = estimator.covariance;
+        estimator.apply(correction, constants);
+        lag_.correct(before, estimator.covariance);
+    } else {
+        estimator.apply(correction, constants);
+    }
     if (!estimator.state.allFinite() || !estimator.covariance.allFinite()) {
         return {.finite = false};
-    }
-    if constexpr (kLeavesBiasesOut) {
-        lag_.correct(before_it, estimator.covariance);
     }
     this->found_ = components(estimator.state, Where::attitude);
     const NavigationState before = mechanisation_.state;

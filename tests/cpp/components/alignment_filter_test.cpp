@@ -95,6 +95,32 @@ TEST(AlignmentFilterHeading, FindsTheSameInEveryWayOfComputing) {
     }
 }
 
+TEST(AlignmentFilterVelocity, HoldsBetweenTwoFixesOfAMechanisationThatKeepsItsTilt) {
+    // Without feedback the mechanisation gains g sin(5 deg) = 0.85 m/s from one fix to the next.
+    for (const auto model :
+         {alignment_filter::ErrorModel::large_azimuth, alignment_filter::ErrorModel::euler_platform}) {
+        FedFilter fed;
+        fed.filter.parameters.error_model = model;
+        fed.filter.parameters.feedback = false;
+        fed.filter.parameters.prior.tilt_sigma = 5.0 * kDegree;
+        double largest = 0.0;
+        Trial run{.table = {.roll = 0.0, .pitch = 0.0}, .heading_error = 0.0};
+        run.after_step = [&](const FedFilter& filter, int k) {
+            if (k > 60 * kRate) {
+                const Outputs& outputs = filter.filter.outputs;
+                const Eigen::Array2d sigma = outputs.velocity_sigma.head<2>();
+                largest =
+                    std::max(largest, (outputs.nav.velocity.head<2>().array() / sigma).abs().maxCoeff());
+            }
+        };
+        run.start(fed);
+        fed.initial().roll += 5.0 * kDegree;
+        fed.filter.initialise(0.0);
+        run.advance(fed, 0, 90 * kRate);
+        EXPECT_LT(largest, 3.0);
+    }
+}
+
 TEST(AlignmentFilterCovariance, IsThatOfTheOutputsWithAndWithoutFeedback) {
     // Without feedback the estimator's covariance is that of the angles of the open-loop mechanisation, whose
     // tilts lie along axes that are 10 degrees off: a sixth of their sigmas.
