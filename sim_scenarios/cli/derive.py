@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from sim_scenarios.cli.options import AsJson
+from sim_scenarios.cli.options import AsJson, written
 from sim_scenarios.cli.results import Results, storing
 from sim_scenarios.cli.terminal import print_json, print_pairs, progress, refusing_bad_input, say
 from sim_scenarios.fmus import NAVIGATION_FILTER
@@ -37,6 +37,8 @@ def derive_noise(
         typer.Option(
             "--output",
             "-o",
+            parser=written,
+            metavar="PATH",
             help="Folder of parameter file and picture.",
             show_default="truenorth-derived/...",
         ),

@@ -19,7 +19,7 @@ from sim_scenarios.cli.beginning import (
     Where,
     begin,
 )
-from sim_scenarios.cli.options import AsJson, Seed, Settings, SettingsFile, scenarios, settings
+from sim_scenarios.cli.options import AsJson, Seed, Settings, SettingsFile, scenarios, settings, written
 from sim_scenarios.cli.results import Results, storing
 from sim_scenarios.cli.terminal import print_json, print_pairs, refusing_bad_input
 from sim_scenarios.errors import InputError
@@ -44,7 +44,14 @@ def export_system(
     ],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Folder to write.", show_default="truenorth-export/NAME"),
+        typer.Option(
+            "--output",
+            "-o",
+            parser=written,
+            metavar="PATH",
+            help="Folder to write.",
+            show_default="truenorth-export/NAME",
+        ),
     ] = None,
     seed: Seed = None,
     set_: Settings = None,

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from sim_scenarios.cli.options import written
 from sim_scenarios.cli.terminal import print_names, print_pairs, refusing_bad_input, say
 from sim_scenarios.errors import InputError
 from sim_scenarios.folders import filled
@@ -17,7 +18,10 @@ def import_recording(
         list[Path], typer.Argument(metavar="FILE", help="What was recorded together.", show_default=False)
     ],
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="TOML", help="The description that is written.")
+        Path,
+        typer.Option(
+            "--output", "-o", parser=written, metavar="TOML", help="The description that is written."
+        ),
     ] = Path("recording.toml"),
     force: Annotated[bool, typer.Option("--force", help="Replace the description if there is one.")] = False,
 ) -> None:

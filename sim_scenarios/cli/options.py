@@ -27,6 +27,13 @@ def papers(incomplete: str) -> list[tuple[str, str]]:
     return [(name, text) for name, text in catalogue.papers().items() if name.startswith(incomplete)]
 
 
+def written(name: str) -> Path:
+    """The path of what a command writes; an empty one, of a variable that was not set, is no folder."""
+    if not name:
+        raise typer.BadParameter("is empty; `.` is the folder that you are in")
+    return Path(name)
+
+
 Scenario = Annotated[
     str,
     typer.Argument(
@@ -40,6 +47,8 @@ Output = Annotated[
     typer.Option(
         "--output",
         "-o",
+        parser=written,
+        metavar="PATH",
         help="Folder of the report; what is there is replaced. Without it, a new folder.",
         show_default="truenorth-results/...",
     ),

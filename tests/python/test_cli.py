@@ -29,6 +29,18 @@ def truenorth(*arguments: object) -> Result:
     return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
+@pytest.mark.parametrize("name", sorted(COMMANDS.keys() - {"list", "parameters", "verify"}))
+def test_no_command_writes_into_a_folder_without_a_name(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`--output "$RESULTS"` of a variable that is not set would replace what lies in the own folder."""
+    monkeypatch.chdir(tmp_path)
+    result = truenorth(name, "swaying_ship", "--output", "")
+    assert result.exit_code == 2
+    assert "is empty" in result.output
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.usefixtures("fmus")
 def test_run_converges(tmp_path: Path) -> None:
     result = truenorth("run", "swaying_ship", *LONG, "--output", tmp_path)
