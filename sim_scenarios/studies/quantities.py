@@ -50,7 +50,7 @@ SERIES: Final[Mapping[str, tuple[str, str]]] = {
 """Unit and description of what is kept over time; sigmas and deviations are NaN where the filter has none."""
 
 OTHERS: Final = (
-    *("scenario", "filter", "run", "seed", "time", "state", "fault_end"),
+    *("scenario", "filter", "run", "seed", "time", "state", "seal", "fault_end"),
     *(f"{name}_bound{what}" for name in BOUNDED for what in ("", "_rms")),
 )
 """Other variables of a campaign (see `store`), whose names no figure can have."""

@@ -12,8 +12,9 @@ One chunk holds the runs of one batch, so that workers never write to the same f
 as a whole. `state` is written last: a run counts as finished when its state says so, and everything else
 of it is on disk by then. Whoever dies at any moment leaves finished batches and batches to repeat.
 
-Every chunk ends with a checksum of itself, and every chunk of a finished batch is there, even one that holds
-nothing. A chunk that is lost or damaged later is therefore found, and the runs of its batch are done again.
+Every chunk begins with a checksum of itself, and every chunk of a finished batch is there, even one that
+holds nothing; `seal` holds a checksum of those checksums. A chunk that is lost, damaged or put in another
+one's place later is therefore found, and the runs of its batch are done again.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
 from typing import Any, Final, Literal
+from zlib import crc32
 
 import dask.array
 import numpy as np
@@ -50,12 +52,16 @@ RUNS: Final = ("scenario", "filter", "run")
 ZARR_3: Final = zarr.__version__[0] >= "3"
 _CODEC: Final = "compressors" if ZARR_3 else "compressor"
 """What xarray calls the codec that is applied last."""
+_CHECKSUM: Final = 4
+"""Bytes of a chunk's checksum, the first of it."""
+_LAST: Final = ("seal", "state")
+"""What is written of a batch when everything else is there."""
 
 
 def of_runs(variables: Mapping[Any, Any]) -> list[str]:
-    """Those of the variables of a data set, or of its arrays, that the runs fill; their state is the last."""
-    names = [str(name) for name, one in variables.items() if one.ndim >= len(RUNS) and name != "state"]
-    return [*names, "state"]
+    """Those of the variables of a data set, or of its arrays, that the runs fill, in the order of writing."""
+    names = [str(name) for name, one in variables.items() if one.ndim >= len(RUNS) and name not in _LAST]
+    return [*names, *_LAST]
 
 
 class State(IntEnum):
@@ -149,8 +155,10 @@ def _damaged(path: Path, arrays: Mapping[str, Any], index: tuple[int, ...]) -> l
     elif (arrays["state"].get_block_selection(index) == State.missing).any():
         return []
     else:
-        at = {name: (*index, *[0] * (arrays[name].ndim - len(index))) for name in of_runs(arrays)}
+        at = {name: _place(arrays[name], index) for name in of_runs(arrays)}
         damaged = [_chunk(n, where) for n, where in at.items() if not _is_whole(path, arrays[n], n, where)]
+        if not damaged and not _is_sealed(path, arrays, index):
+            damaged = [_chunk("seal", index)]
     if damaged:
         remove(state)  # first: from now on the runs are missing
     for chunk in damaged:
@@ -165,6 +173,27 @@ def _is_whole(path: Path, array: Any, name: str, index: tuple[int, ...]) -> bool
     except Exception:  # whatever file system, checksum and compression raise
         return False
     return (path / _chunk(name, index)).is_file()
+
+
+def _is_sealed(path: Path, arrays: Mapping[str, Any], index: tuple[int, ...]) -> bool:
+    """Whether the chunks of a batch, each of them whole, are those that were written for it."""
+    state = arrays["state"].get_block_selection(index)
+    return bool((arrays["seal"].get_block_selection(index) == _seal(path, arrays, index, state)).all())
+
+
+def _seal(path: Path, arrays: Mapping[str, Any], index: tuple[int, ...], state: NDArray[np.int8]) -> int:
+    """Checksum of the checksums of a batch's chunks, of its state, and of where it stands."""
+    content = [repr(index).encode(), state.tobytes()]
+    for name in sorted(of_runs(arrays)):
+        if name not in _LAST:
+            with (path / _chunk(name, _place(arrays[name], index))).open("rb") as chunk:
+                content.append(chunk.read(_CHECKSUM))
+    return crc32(b"".join(content))
+
+
+def _place(array: Any, index: tuple[int, ...]) -> tuple[int, ...]:
+    """Place of an array's chunk of a batch."""
+    return (*index, *[0] * (array.ndim - len(index)))
 
 
 def _chunk(name: str, index: tuple[int, ...]) -> str:
@@ -201,19 +230,21 @@ class Writer:
     def __init__(self, path: Path) -> None:
         group = _group(path, "r+")
         arrays = dict(group.arrays())
+        self._path = path
         self._arrays = {name: _writing_all(arrays[name]) for name in of_runs(arrays)}
-        self._state = self._arrays.pop("state")
-        self.shapes = {name: array.shape[len(RUNS) :] for name, array in self._arrays.items()}
+        self.shapes = {n: array.shape[len(RUNS) :] for n, array in self._arrays.items() if n not in _LAST}
 
     def write(self, batch: Batch, values: Mapping[str, NDArray[Any]], state: NDArray[np.int8]) -> None:
-        """Store a batch, its state last.
+        """Store a batch, its seal and its state last.
 
         The shapes are (filters, runs) for states, and (filters, runs, ...) as `shapes` has it for values.
         """
         region = batch.case, slice(None), slice(batch.start, batch.stop)
-        for name, array in self._arrays.items():
-            array[region] = values[name]
-        self._state[region] = state
+        for name in self.shapes:
+            self._arrays[name][region] = values[name]
+        index = batch.case, 0, batch.start // self._arrays["state"].chunks[2]
+        self._arrays["seal"][region] = _seal(self._path, self._arrays, index, state)
+        self._arrays["state"][region] = state
 
 
 def _writing_all(array: Any) -> Any:
@@ -277,6 +308,7 @@ def _template(
     }
     data: xr.Dataset = xr.Dataset({**series, **single, **errors})
     data["state"] = RUNS, empty(RUNS, "i1", 0), state
+    data["seal"] = RUNS, empty(RUNS, "u4", 0), {"description": "Checksum of what is stored of the batch"}
     if errors:
         about = _attributes("s", "Recorded instants; NaN beyond the end of the runs")
         data[f"{RECORDED}time"] = (("scenario", "instant"), recorded, about)

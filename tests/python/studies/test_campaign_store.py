@@ -151,6 +151,15 @@ def test_a_damaged_chunk_is_named_and_its_runs_are_done_again(
     assert store.discard_damaged(stored) == []
 
 
+@pytest.mark.parametrize("pattern", ["tilt_rmse/0.0.1*", "*/0.0.1*"], ids=["one", "all of its batch"])
+def test_a_chunk_in_the_place_of_another_is_found(stored: Path, pattern: str) -> None:
+    """It is whole, but what it holds is of other runs."""
+    for chunk in stored.glob(pattern):
+        shutil.copy(chunk, chunk.with_name(chunk.name.replace("0.0.1", "0.0.2", 1)))
+    assert store.discard_damaged(stored) == ["seal/0.0.2"]
+    assert Batch(0, 2, 3) in list(store.unfinished(stored))
+
+
 @pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE.keys())
 def test_runs_of_a_damaged_state_are_done_again(stored: Path, damage: Damage) -> None:
     damage(stored / "state" / "0.0.2")
