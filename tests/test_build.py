@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -66,6 +68,43 @@ def test_an_old_compiler_is_refused_with_a_sentence(
     )  # fmt: skip
     refusal = f"is {compiler} {version}"
     assert (refusal in " ".join(said.split())) is not good, said
+
+
+SOURCES = [os.fspath(path.relative_to(ROOT)) for path in sorted((ROOT / "fmu_src").rglob("*.cpp"))]
+KINDS = ("euler_platform", "full_state", "invariant", "tight")
+"""Models whose engines and adapters are of different kinds."""
+SHORT = [f"fmu_src/filter/instances/{kind}_aids.cpp" for kind in KINDS]
+
+
+@pytest.mark.parametrize(
+    "source", [*SHORT, *(pytest.param(s, marks=pytest.mark.slow) for s in SOURCES if s not in SHORT)]
+)
+def test_the_oldest_clang_that_is_promised_understands(source: str) -> None:
+    """Where a template is instantiated, it instantiates every member, whatever that requires."""
+    clang = shutil.which("clang++-14")
+    commands = ROOT / "build/native/compile_commands.json"
+    if clang is None or not commands.exists():
+        pytest.skip("there is no clang++-14, or no build to tell how a source is compiled")
+    built = {one["file"]: one for one in json.loads(commands.read_text("utf-8"))}
+    entry = built[os.fspath(ROOT / source)]
+    where = re.findall(r"(?:-I|-D|-isystem )\S+", entry["command"])
+    checked = subprocess.run(
+        [
+            clang,
+            "-fsyntax-only",
+            "-std=c++20",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            *shlex.split(" ".join(where)),
+            source,
+        ],
+        cwd=ROOT,
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    assert checked.returncode == 0, checked.stderr
 
 
 def test_the_version_is_the_same_everywhere() -> None:

@@ -92,8 +92,7 @@ class NavigationEngine : public Engine<M> {
     // What the estimate does not know of. A model without biases aligns with them: the tilts end off by
     // nabla / g, the heading by eps / (w_ie cos L) (Zhao 2012, section 3), and the velocity by what they add
     // to it before corrections take it away.
-    [[nodiscard]] Uncertainty left_out() const
-        requires kLeavesBiasesOut;
+    [[nodiscard]] Uncertainty left_out() const;
 
     // What unit biases have made of tilts and velocity since the start, corrections included.
     struct Lag {
@@ -231,9 +230,7 @@ auto NavigationEngine<M>::covariance() const -> Matrix<Base::kStates> {
 }
 
 template <ErrorModel M>
-Uncertainty NavigationEngine<M>::left_out() const
-    requires kLeavesBiasesOut
-{
+Uncertainty NavigationEngine<M>::left_out() const {
     const double north_rate = earth::rate(mechanisation_.state.position.latitude).y();
     const double tilt = accelerometer_bias_sigma / earth::kStandardGravity;
     const double heading = std::min(gyro_bias_sigma / north_rate, std::numbers::pi);
