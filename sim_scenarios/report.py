@@ -29,7 +29,7 @@ from sim_scenarios.plots import side_by_side as pictures_side_by_side
 from sim_scenarios.plots import track as pictures_of_track
 from sim_scenarios.plots.states import states
 from sim_scenarios.plots.style import png
-from sim_scenarios.recording import ERRORS, HAND_OVER, of_filter, under_way
+from sim_scenarios.recording import ALIGNMENT, ERRORS, HAND_OVER, of_filter, under_way
 from sim_scenarios.recordings import comparison, outages, side_by_side, smoothing, track
 from sim_scenarios.units import ARCMIN, DEGREE
 
@@ -320,10 +320,13 @@ def replay_sentence(run: xr.Dataset) -> str:
     """What the filter says at the end of a recording."""
     if replay_converged(run):
         return "The filter reports convergence"
-    if run.sizes["fix"] == 0:
-        return f"The filter does not report convergence: no fix came, it is {status_at_end(run)} at the end"
-    status = status_at_end(run)
+    aligned = track.navigates_from(run) < np.inf
+    status = status_at_end(run, "status" if aligned else f"{ALIGNMENT}status")
     sentence = f"The filter does not report convergence: it is {status} at the end"
+    if not aligned:
+        sentence = f"Navigation did not begin: the alignment handed nothing over, it is {status} at the end"
+    elif run.sizes["fix"] == 0:
+        return f"The filter does not report convergence: no fix came, it is {status} at the end"
     if status in CONTRADICTED:
         return (
             f"{sentence}. Measurements contradict what it was told: `truenorth derive` finds their noise; a "
@@ -334,7 +337,7 @@ def replay_sentence(run: xr.Dataset) -> str:
 
 def heading_at_end(run: xr.Dataset) -> dict[str, str]:
     """Heading at the end of a recording, and how well the filter believes to know it."""
-    angle, sigma = (float(run[name].values[-1]) / DEGREE for name in ("nav.heading", "heading_sigma"))
+    angle, sigma = (float(_since_alignment(run, name)[-1]) / DEGREE for name in _OF_HEADING)
     return {"Heading at the end": f"{angle:.3f} deg", "Its 1 sigma": f"{sigma:.3f} deg"}
 
 
@@ -390,15 +393,26 @@ def bound_table(data: xr.Dataset) -> list[list[str]]:
 
 
 def heading_table(run: xr.Dataset) -> list[list[str]]:
-    """Heading at round times, the heading of the table first."""
+    """Heading at round times, the heading of the table first; of an alignment, until it has handed over."""
     time = run["time"].values
-    angle, sigma = run["nav.heading"].values / DEGREE, run["heading_sigma"].values / DEGREE
-    status, names = run["status"].values, run["status"].attrs["flag_meanings"].split()
+    angle, sigma = (_since_alignment(run, name) / DEGREE for name in _OF_HEADING)
+    status, names = _since_alignment(run, "status"), run["status"].attrs["flag_meanings"].split()
     rows = [
         [f"{round(time[i], 3):g}", f"{angle[i]:.3f}", f"{sigma[i]:.3f}", names[int(status[i]) - 1]]
         for i in _at_round_times(time)
     ]
     return [["time [s]", "heading [deg]", "1 sigma [deg]", "status"], *rows]
+
+
+_OF_HEADING: Final = ("nav.heading", "heading_sigma")
+
+
+def _since_alignment(run: xr.Dataset, name: str) -> Array:
+    """Values of a variable, those of the alignment before it has handed over, if there is one."""
+    values: Array = run[name].values
+    if HAND_OVER not in run:
+        return values
+    return np.where(run["time"].values < track.navigates_from(run), run[f"{ALIGNMENT}{name}"].values, values)
 
 
 def _at_round_times(time: Array, most: int = 12) -> list[int]:

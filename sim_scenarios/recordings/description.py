@@ -135,7 +135,15 @@ def _read(path: Path, said: Description) -> list[_Read]:
             continue
         file = path.parent / (source.file or said.imu.file)
         form = source.format or (None if source.file else said.imu.format)
-        columns = _angles_alone(path, said.imu) if name == "imu" and said.accelerometer else source.columns
+        columns = source.columns
+        if (
+            said.accelerometer
+            and name in ("imu", "accelerometer")
+            and (form or formats.recognised(file)) == "csv"
+        ):
+            columns = (
+                _angles_alone(path, said.imu) if name == "imu" else columns or layouts.AccelerometerColumns()
+            )
         if columns is None:
             if "units" in source.model_fields_set:
                 raise InputError(f"{path}: {name}: units are those of columns: say these too")
@@ -183,6 +191,10 @@ def _assembled(path: Path, name: str, read: list[_Read], to_body: Array, lever_a
     remarks = [remark for one in read for remark in one.contents.remarks]
     remarks += [remark for _, of_table in in_time for remark in of_table]
     imu = tables.pop("imu")
+    if "accelerometer" not in tables and np.isnan(imu.force).all():
+        raise InputError(
+            f"{read[0].where}: has no specific forces; a table accelerometer says where they are"
+        )
     if (accelerometer := tables.pop("accelerometer", None)) is not None:
         where = {one.name: one.where for one in read}
         imu, left_out = halves.joined(imu, accelerometer, (where["imu"], where["accelerometer"]))

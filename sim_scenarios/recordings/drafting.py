@@ -159,12 +159,14 @@ def _check_imu(parts: dict[str, Part], files: Sequence[Path]) -> None:
     if half is None:
         raise InputError(f"{', '.join(map(str, files))}: none has an IMU")
     if half.is_half and len({"imu", "accelerometer"} & set(parts)) == 1:
-        has, lacks = ("angular", "specific forces") if half.table == "imu" else ("force", "angular rates")
-        columns = half.entries[f"columns.{has}"].value
+        halves = {"imu": ("angular", "angular rates"), "accelerometer": ("force", "specific forces")}
+        key, has = halves.pop(half.table)
+        [(_, lacks)] = halves.values()
+        named = half.entries.get(f"columns.{key}")
+        what = ", ".join(named.value) if named else f"its {has}"
         raise InputError(
-            f"{half.path}: {', '.join(columns)} are of an IMU, and there are no {lacks} beside them: name "
-            "the file that has them too; beside positions, velocities or an attitude they are not taken for "
-            "half of an IMU"
+            f"{half.path}: {what} are of an IMU, and there are no {lacks} beside them: name the file that "
+            "has them too; beside positions, velocities or an attitude they are not taken for half of an IMU"
         )
 
 

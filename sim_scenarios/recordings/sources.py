@@ -107,8 +107,7 @@ class ImuSource(Source):
 class AccelerometerSource(Source):
     """Forces of an IMU that were recorded apart from its angles, in the same axes."""
 
-    file: Path
-    columns: layouts.AccelerometerColumns = layouts.AccelerometerColumns()
+    columns: layouts.AccelerometerColumns | None = None
     units: layouts.AccelerometerUnits = layouts.AccelerometerUnits()
 
 

@@ -7,11 +7,13 @@
     nav_msgs/Odometry                            its twist: velocity of the body
 
 A twist of a topic that is called a command or a setpoint is what was wanted, and is left out.
-Of several topics of one kind the one with the most messages is read, then the first by name. By REP 103 axes
-point forward, left, up, which frames called ..._ned and ..._optical do not keep; by REP 145 an Imu at rest
-feels gravity upwards. Pose and orientation are not read: what they refer to is north only by agreement. A
-velocity with a variance that is not positive has no sigma, nor has a position whose covariance is unknown
-(type 0).
+Of several topics of one kind the one with the most messages is read, then the first by name; of Imu one that
+has rates and forces before those that have one of both. Drivers that publish gyros and accelerometers apart
+have 0 in the place of the other half, or say by a covariance of -1 that there is none: two such topics are
+one IMU. By REP 103 axes point forward, left, up, which frames called ..._ned and ..._optical(_frame) do not
+keep; by REP 145 an Imu at rest feels gravity upwards. Pose and orientation are not read: what they refer to
+is north only by agreement. A velocity with a variance that is not positive has no sigma, nor has a position
+whose covariance is unknown (type 0).
 
 Stamps are those of the headers, seconds since 1970 (Clock.UNIX), or since the start of a simulation
 (Clock.OWN) where they lie before the year 2000.
@@ -23,7 +25,8 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -34,6 +37,7 @@ from sim_scenarios.recordings.readers.contents import Axes, Clock, Contents, Ine
 from sim_scenarios.recordings.readers.epochs import BodyVelocities, Fixes
 from sim_scenarios.recordings.readers.extras import needed
 from sim_scenarios.recordings.readers.files import beginning, whole
+from sim_scenarios.recordings.tables import Array
 from sim_scenarios.units import DEGREE
 
 _IMU: Final = "sensor_msgs/msg/Imu"
@@ -43,7 +47,7 @@ _ODOMETRY: Final = "nav_msgs/msg/Odometry"
 _MAGIC: Final = (b"#ROSBAG V2.0", b"\x89MCAP0\r\n", b"SQLite format 3\x00")
 _COMMANDS: Final = ("cmd", "command", "setpoint")
 """Of which one is a part of a topic's name that says what a vehicle shall do."""
-_OTHER_AXES: Final = ("_ned", "_optical")
+_OTHER_AXES: Final = ("_ned", "_optical", "_optical_frame")
 _MAP: Final = "map"
 _YEAR_2000: Final = 946684800  # s since 1970
 
@@ -91,20 +95,41 @@ def _contents(path: Path, bag: Any) -> Contents:
                 said.of_body(message)
     for message in _messages(bag, _ODOMETRY):
         said.of_body(message)
-    imu = said.inertial(_messages(bag, _IMU))
+    units = ((topic, said.inertial(_of_topic(bag, _IMU, topic))) for topic in _topics(bag, _IMU))
+    taken = _one_imu({topic: unit for topic, unit in units if unit is not None})
+    imu = next((half for half in taken.values() if not np.isnan(half.angular).all()), None)
+    accelerometer = next((half for half in taken.values() if half is not imu), None)
     gnss, body = said.fixes.table(), said.body.table()
-    if imu is None and gnss is None and body is None:
+    if all(table is None for table in (imu, accelerometer, gnss, body)):
         names = ", ".join((_IMU, _FIX, *_TWISTS, _ODOMETRY))
         raise InputError(f"{path}: has no message of {names} that is no command")
     return Contents(
         Clock.UNIX if said.epoch else Clock.OWN,
         float(said.epoch or 0),
         imu=imu,
+        accelerometer=accelerometer,
         gnss=gnss,
         body_velocity=body,
         place=lambda table, row: f"{'Imu message' if table == 'imu' else f'{table} row'} {row + 1}",
-        remarks=tuple(_not_read(path, bag)),
+        remarks=tuple(_not_read(path, bag, taken)),
     )
+
+
+def _one_imu(units: Mapping[str, Inertial]) -> dict[str, Inertial]:
+    """The IMU, or its gyros and its accelerometers if they were published apart, by topic."""
+    turning, heavy = (
+        [topic for topic, unit in units.items() if np.nan_to_num(getattr(unit, half)).any()]
+        for half in ("angular", "force")
+    )
+    if whole := [topic for topic in turning if topic in heavy]:
+        return {whole[0]: units[whole[0]]}
+    gyros = {topic: replace(units[topic], force=_nowhere(units[topic].force)) for topic in turning[:1]}
+    forces = {topic: replace(units[topic], angular=_nowhere(units[topic].angular)) for topic in heavy[:1]}
+    return {**gyros, **forces}
+
+
+def _nowhere(values: Array) -> Array:
+    return np.full_like(values, np.nan)
 
 
 def _is_command(connection: Any) -> bool:
@@ -122,21 +147,27 @@ def _topics(bag: Any, kind: str) -> list[str]:
     return sorted(counts, key=lambda topic: (-counts[topic], topic))
 
 
-def _not_read(path: Path, bag: Any) -> Iterator[str]:
-    """Sentences on the topics that were left out."""
+def _not_read(path: Path, bag: Any, imus: Container[str]) -> Iterator[str]:
+    """Sentences on the topics that were left out, of those of IMUs all but the ones that were taken."""
     for topic in sorted({connection.topic for connection in bag.connections if _is_command(connection)}):
         yield f"{path}: {topic} is left out: by its name it is a command"
     for kind in (_IMU, _FIX, *_TWISTS, _ODOMETRY):
-        for topic in _topics(bag, kind)[1:]:
-            yield f"{path}: {topic} is left out: another topic has more {kind} or comes before it by name"
+        topics = _topics(bag, kind)
+        for topic in topics:
+            if topic not in (imus if kind == _IMU else topics[:1]):
+                yield f"{path}: {topic} is left out: another topic has more {kind} or comes before it by name"
 
 
 def _messages(bag: Any, kind: str) -> Iterator[Any]:
     """Messages of the first topic of a kind."""
     for topic in _topics(bag, kind)[:1]:
-        of_topic = [c for c in bag.connections if c.topic == topic and c.msgtype == kind]
-        for _, _, raw in bag.messages(connections=of_topic):
-            yield bag.deserialize(raw, kind)
+        yield from _of_topic(bag, kind, topic)
+
+
+def _of_topic(bag: Any, kind: str, topic: str) -> Iterator[Any]:
+    of_topic = [c for c in bag.connections if c.topic == topic and c.msgtype == kind]
+    for _, _, raw in bag.messages(connections=of_topic):
+        yield bag.deserialize(raw, kind)
 
 
 class _Said:
@@ -151,8 +182,9 @@ class _Said:
         rows = array("d")
         other = False
         for message in messages:
-            turn, force = message.angular_velocity, message.linear_acceleration
-            rows.extend((self._time(message), *_three(turn), *_three(force)))
+            turn = _told(message.angular_velocity, message.angular_velocity_covariance)
+            force = _told(message.linear_acceleration, message.linear_acceleration_covariance)
+            rows.extend((self._time(message), *turn, *force))
             other |= message.header.frame_id.endswith(_OTHER_AXES)
         if not rows:
             return None
@@ -195,6 +227,11 @@ def _twist(message: Any) -> tuple[tuple[float, float, float], tuple[float, float
     told = x > 0 and y > 0 and z > 0
     sigma = (math.sqrt(x), math.sqrt(y), math.sqrt(z)) if told else (0.0, 0.0, 0.0)
     return _three(twist.twist.linear), sigma
+
+
+def _told(vector: Any, covariance: Any) -> tuple[float, float, float]:
+    """A vector, not a number where its covariance says that there is none."""
+    return (math.nan, math.nan, math.nan) if covariance[0] == -1 else _three(vector)
 
 
 def _three(vector: Any) -> tuple[float, float, float]:

@@ -11,14 +11,16 @@ import pytest
 from plant_signals import as_table, sensed, told_as_in
 
 import sim_scenarios
-from sim_scenarios import Start
+from sim_scenarios import Start, toml
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.recordings import load as load_recording
 from sim_scenarios.recordings.checks import doubts
+from sim_scenarios.recordings.drafting import draft
 from sim_scenarios.recordings.feed import feed
 from sim_scenarios.recordings.halves import joined
 from sim_scenarios.recordings.readers.contents import Inertial
+from sim_scenarios.recordings.stamps import intervals
 from sim_scenarios.recordings.tables import Array, Recording
 from sim_scenarios.units import DEGREE
 
@@ -132,6 +134,43 @@ def test_an_offset_of_the_imu_is_of_both_halves_unless_one_has_its_own(
     read = load_recording(written(tmp_path, gyros, increments(ship)[1], ship, own))
     np.testing.assert_allclose(read.imu.delta_velocity, ship.imu.delta_velocity, rtol=0, atol=1e-11)
     assert not read.remarks
+
+
+def test_two_topics_of_a_bag_are_one_imu(ship: Recording, tmp_path: Path) -> None:
+    """As drivers of cameras publish them, each with zeros in the place of what the other measured."""
+    ros = pytest.importorskip("written.ros", reason="reading ROS bags needs rosbags")
+    imu, nothing = ship.imu, np.zeros(3)
+    turns, forces = (
+        part[:, [1, 0, 2]] * [1, -1, 1] / intervals(imu.time)[:, None]
+        for part in (imu.delta_angle, imu.delta_velocity)
+    )
+    gyros = [("/gyro", ros.IMU, ros.inertial(t, w, nothing)) for t, w in zip(imu.time, turns, strict=True)]
+    accelerometers = [
+        ("/accel", ros.IMU, ros.inertial(t, nothing, f)) for t, f in zip(imu.time, forces, strict=True)
+    ]
+
+    def check(path: Path) -> None:
+        read = load_recording(path)
+        assert len(read.imu.time) == len(imu.time)
+        np.testing.assert_allclose(read.imu.delta_angle, imu.delta_angle, rtol=1e-6, atol=1e-12)
+        np.testing.assert_allclose(read.imu.delta_velocity, imu.delta_velocity, rtol=1e-6, atol=1e-7)
+
+    bag = ros.written(tmp_path, "mcap", gyros + accelerometers)
+    check(bag)
+    text, _ = draft([bag], tmp_path)
+    path = tmp_path / "recording.toml"
+    path.write_text(text)
+    assert list(toml.read(path)) == ["imu", "accelerometer"]
+    check(path)
+    apart = [ros.written(tmp_path, "sqlite", gyros), ros.written(tmp_path, "one.bag", accelerometers)]
+    path.write_text(draft(apart, tmp_path)[0])
+    check(path)
+    with pytest.raises(InputError, match=r"sqlite: its angular rates are of an IMU, and there are no spec"):
+        draft(apart[:1], tmp_path)
+    with pytest.raises(InputError, match=r"one\.bag: its specific forces are of an IMU, and there are no a"):
+        draft(apart[1:], tmp_path)
+    with pytest.raises(InputError, match="sqlite, imu: has no specific forces; a table accelerometer says"):
+        load_recording(apart[0])
 
 
 IRREGULAR = np.cumsum(np.random.default_rng(1).integers(1, 4, 12_000))

@@ -211,8 +211,18 @@ def test_an_alignment_before_navigation(ship: Path, tmp_path: Path) -> None:
     assert 0 < float(data["hand_over_time"]) < LENGTH
     judged = data["fix_time"].values >= max(20.0, float(data["hand_over_time"]))
     off = np.hypot(data["innovation"].values[judged, 0], data["innovation"].values[judged, 1])
-    found = json.loads(result.stdout)["against_fixes"]["horizontal_rms_m"]
-    assert found == pytest.approx(float(np.sqrt(np.mean(off**2))))
+    said = json.loads(result.stdout)
+    assert said["against_fixes"]["horizontal_rms_m"] == pytest.approx(float(np.sqrt(np.mean(off**2))))
+    assert all(row["sigma_deg"] > 0 for row in said["headings"])  # those of the alignment, then of navigation
+
+
+def test_an_alignment_that_hands_nothing_over_is_told(ship: Path, tmp_path: Path) -> None:
+    never = ["--set", "alignment.convergence.hold_time=500"]
+    result = truenorth("replay", ship, "--filter", "align_then_navigate", "-o", tmp_path, *never)
+    assert result.exit_code == 1, result.output
+    assert "Navigation did not begin: the alignment handed nothing over, it is aligning" in result.stdout
+    at_end = recording.load(tmp_path / "recording.nc")["alignment.heading_sigma"].values[-1] / DEGREE
+    assert f"Its 1 sigma           {at_end:.3f} deg" in result.stdout
 
 
 @pytest.mark.parametrize(

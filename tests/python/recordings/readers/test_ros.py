@@ -61,6 +61,39 @@ def test_rates_are_bit_equal(tmp_path: Path, kind: str) -> None:
         np.testing.assert_array_equal(values, [list(message[name].values()) for message in messages])
 
 
+@pytest.mark.parametrize("told", [True, False])
+def test_gyros_and_accelerometers_of_two_topics(tmp_path: Path, told: bool) -> None:
+    """The half that a driver does not measure is 0, or its covariance says that there is none."""
+    nothing = {"covariance": np.array([-1.0, *[0.0] * 8])} if told else {}
+    gyros: list[dict[str, Any]] = []
+    accelerometers: list[dict[str, Any]] = []
+    for k in range(3):
+        whole = imu(k, "camera_imu_optical_frame")
+        for messages, lacks in ((gyros, "linear_acceleration"), (accelerometers, "angular_velocity")):
+            none = {f"{lacks}_{key}": value for key, value in nothing.items()}
+            messages.append({**whole, **none, lacks: vector(np.ones(3) if told else np.zeros(3))})
+    topics = [("/gyro", IMU, gyro) for gyro in gyros] + [("/acc", IMU, acc) for acc in accelerometers[:2]]
+    contents = ros.read(written(tmp_path, "mcap", topics))
+    assert contents.imu is not None
+    assert contents.accelerometer is not None
+    assert contents.imu.axes is None
+    assert not contents.remarks
+    assert np.isnan(contents.imu.force).all()
+    assert np.isnan(contents.accelerometer.angular).all()
+    np.testing.assert_array_equal(
+        contents.imu.angular, [list(gyro["angular_velocity"].values()) for gyro in gyros]
+    )
+    np.testing.assert_array_equal(
+        contents.accelerometer.force,
+        [list(acc["linear_acceleration"].values()) for acc in accelerometers[:2]],
+    )
+    whole = ros.read(written(tmp_path, "one.bag", [*topics, ("/imu", IMU, imu(0))]))
+    assert whole.imu is not None
+    assert whole.accelerometer is None
+    assert len(whole.imu.time) == 1
+    assert len(whole.remarks) == 2
+
+
 @pytest.mark.parametrize("kind", ["sqlite", "mcap"])
 def test_the_file_of_a_bag_alone(tmp_path: Path, kind: str) -> None:
     """What is passed on is often the file without its folder's description."""
