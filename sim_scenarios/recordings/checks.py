@@ -95,8 +95,8 @@ def _certain(recording: Recording) -> list[str]:
     if forces.mean_direction(imu)[2] < forces.DOWN:
         causes.append(
             f"the mean specific force is {_direction(imu)} of its size in right, forward, up: it "
-            "points down, and at rest it points up; if the axes are forward-right-down, say "
-            "axes = 'forward-right-down'"
+            "points down, and at rest it points up; the axes are others than the sensor's: say "
+            "axes = 'forward-right-down' if its third axis points down, 'forward-left-up' if that points up"
         )
     tilts = forces.tilts(imu)
     if tilts.angles > forces.LEAST_TILT and tilts.correlation > 0.5 and _within(tilts.slope, DEGREES):

@@ -15,7 +15,7 @@ from sim_scenarios.recordings import axes, checks, clocks, fixes, halves, simult
 from sim_scenarios.recordings.order import in_order
 from sim_scenarios.recordings.readers import delimited, formats, layouts, sheets
 from sim_scenarios.recordings.readers.contents import Axes, Clock, Contents, Inertial
-from sim_scenarios.recordings.sources import Description, GnssSource, ImuSource, Source, describe
+from sim_scenarios.recordings.sources import FOUND, Description, GnssSource, ImuSource, Source, describe
 from sim_scenarios.recordings.tables import Array, ImuTable, LeverArms, Recording
 
 TABLES: Final[Mapping[str, tuple[str, Callable[..., Contents]]]] = {
@@ -28,9 +28,6 @@ TABLES: Final[Mapping[str, tuple[str, Callable[..., Contents]]]] = {
     "reference": ("reference", delimited.reference),
 }
 """Tables of a description: what they are called in a recording, and what reads them of a text file."""
-
-FOUND: Final = "found"
-"""Offset that is found of the motion."""
 
 _AXES_OF_READER: Final = {
     None: axes.BODY,

@@ -25,13 +25,14 @@ from sim_scenarios.recordings import (
     turns,
 )
 from sim_scenarios.recordings.clocks import Stamps
-from sim_scenarios.recordings.description import FOUND, TABLES
+from sim_scenarios.recordings.description import TABLES
 from sim_scenarios.recordings.fixes import with_velocities_later
 from sim_scenarios.recordings.guesses import Guess
 from sim_scenarios.recordings.readers import formats, plain, sheets
-from sim_scenarios.recordings.readers.columns import likely
+from sim_scenarios.recordings.readers.columns import likely, of_one_sensor
 from sim_scenarios.recordings.readers.contents import Clock, Contents
 from sim_scenarios.recordings.readers.sheets import Sheet
+from sim_scenarios.recordings.sources import FOUND
 from sim_scenarios.recordings.tables import ImuTable
 from sim_scenarios.toml import comment, written
 from sim_scenarios.units import DEGREE
@@ -208,6 +209,9 @@ def _of_cells(sheet: Sheet) -> list[Part]:
     if "time" not in columns:
         raise InputError(f"{sheet.path}: no column of {', '.join(names[:20])} seems to be a time")
     why = "by their names" if sheet.habits.header else "there is no header: by size and steadiness"
+    if set(columns) == {"time"} and (of_one := of_one_sensor(names, sheet.path.name)):
+        columns |= of_one
+        why = "by their names and that of the file"
     parts = []
     for table, told in guessed_tables.tables(sheet, columns).items():
         named = {
@@ -216,6 +220,11 @@ def _of_cells(sheet: Sheet) -> list[Part]:
         units = {f"units.{key}": guess for key, guess in told.units.items()}
         contents = TABLES[table][1](sheet, *told.models())
         parts.append(Part(table, sheet.path, contents, {**named, **units}))
+    if not parts:
+        raise InputError(
+            f"{sheet.path}: has neither an IMU nor an aid that can be recognised; its columns are "
+            f"{', '.join(names[:20])}"
+        )
     return parts
 
 
@@ -342,6 +351,8 @@ def _guess_offset(parts: dict[str, Part]) -> None:
 def _increments(imu: Part) -> ImuTable:
     """Increments in the sensor's own axes."""
     covers = np.ones(1) if imu.rows.increments else stamps.intervals(imu.rows.time)
+    if not covers.any():  # of stamps so coarse that most are repeated, which loading the description tells
+        covers = np.ones(1)
     return ImuTable(imu.rows.time, imu.rows.angular * covers[:, None], imu.rows.force * covers[:, None])
 
 

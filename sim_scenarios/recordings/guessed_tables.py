@@ -148,11 +148,12 @@ def _time(sheet: Sheet, name: str, steps: tuple[float, float]) -> Guess:
     units = ("s", "ms", "us", "ns")
     said = named.unit(name, units)
     counted = step >= LEAST_COUNTS or bool((differences == np.rint(differences)).all())
-    if said and steps[0] <= step * of.TIME[said] <= steps[1]:
+    if said and steps[0] <= step * of.TIME[said] <= max(steps[1], 1.0):
         return Guess(said, f"by the name {name}, with steps of {step:.4g}")
     for unit in units if counted else units[:1]:
         if steps[0] <= step * of.TIME[unit] <= steps[1]:
-            return Guess(unit, f"with steps of {step:.4g}, {1 / (step * of.TIME[unit]):.4g} Hz")
+            doubt = "; check: or are they seconds?" if step == 1.0 and unit != "s" else ""
+            return Guess(unit, f"with steps of {step:.4g}, {1 / (step * of.TIME[unit]):.4g} Hz{doubt}")
     return Guess("s", f"check: steps are {step:.4g}")
 
 

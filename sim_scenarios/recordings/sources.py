@@ -35,9 +35,10 @@ covers the step that ends at its stamp; after a gap one ordinary period, so that
 
 from __future__ import annotations
 
+import math
 from enum import Enum
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Final, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
@@ -49,7 +50,10 @@ from sim_scenarios.recordings import units as of
 from sim_scenarios.recordings.readers import layouts
 from sim_scenarios.recordings.readers.contents import Clock
 
-Vector = tuple[float, float, float]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Vector = tuple[Finite, Finite, Finite]
+FOUND: Final = "found"
+"""Offset that is found of the motion."""
 
 
 class StampsAre(Enum):
@@ -71,9 +75,16 @@ def _in_each_direction(given: object) -> object:
     return given if isinstance(given, (list, tuple)) else (given, given, given)
 
 
-LengthSigma = Annotated[float, _quantity(of.LENGTH), Field(gt=0)]
-VelocitySigma = Annotated[float, _quantity(of.VELOCITY), Field(gt=0)]
-AngleSigma = Annotated[float, _quantity(of.ANGLE), Field(gt=0)]
+def _seconds_or_found(given: object) -> object:
+    if given == FOUND or (isinstance(given, (int, float)) and math.isfinite(given)):
+        return given
+    raise InputError(f"'{given}': must be a finite number of seconds, or '{FOUND}'")
+
+
+Offset = Annotated[float | Literal["found"], BeforeValidator(_seconds_or_found)]
+LengthSigma = Annotated[Finite, _quantity(of.LENGTH), Field(gt=0)]
+VelocitySigma = Annotated[Finite, _quantity(of.VELOCITY), Field(gt=0)]
+AngleSigma = Annotated[Finite, _quantity(of.ANGLE), Field(gt=0)]
 LengthSigmas = Annotated[tuple[LengthSigma, LengthSigma, LengthSigma], BeforeValidator(_in_each_direction)]
 VelocitySigmas = Annotated[
     tuple[VelocitySigma, VelocitySigma, VelocitySigma], BeforeValidator(_in_each_direction)
@@ -90,7 +101,7 @@ class Source(_Said):
     file: Path | None = None
     format: str | None = None
     clock: Clock | None = None
-    offset: float | Literal["found"] = 0.0
+    offset: Offset = 0.0
     stamps: StampsAre = StampsAre.RECORDED
 
 
@@ -183,6 +194,9 @@ def describe(path: Path) -> Description:
 
 def _sentence(path: Path, error: Any) -> str:
     where = ".".join(str(part) for part in error["loc"])
+    if error["type"] == "missing" and isinstance(error["loc"][-1], int):
+        where, _, count = where.rpartition(".")
+        return f"{path}: {where}: there must be more numbers than {count}"
     cause = error.get("ctx", {}).get("error")
     if error["type"] == "extra_forbidden":
         *table, entry = error["loc"]

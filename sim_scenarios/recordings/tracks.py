@@ -27,6 +27,9 @@ class Explanation:
     """Share of the squared way between fixes that it does not explain."""
 
 
+SWAPPED: Final = ", or latitudes and longitudes are in each other's place"
+
+
 def explanations(gnss: FixTable) -> tuple[float, list[Explanation]]:
     """What is left unexplained of the way from fix to fix, and what would explain it, the best first.
 
@@ -39,7 +42,7 @@ def explanations(gnss: FixTable) -> tuple[float, list[Explanation]]:
     slope = float(np.sum(way[:, :2] * said[:, :2]) / max(float(np.sum(said[:, :2] ** 2)), 1e-30))
     swapped = said[:, [1, 0]]
     hypotheses = [
-        ("velocities are north, east, down, and must be east, north, up", way[:, :2], swapped),
+        ("velocities are north, east, down, and must be east, north, up" + SWAPPED, way[:, :2], swapped),
         ("latitudes and longitudes are radians read as degrees", way[:, :2] / DEGREE, said[:, :2]),
         ("latitudes and longitudes are degrees read as radians", way[:, :2] * DEGREE, said[:, :2]),
         ("velocities are km/h read as m/s", way[:, :2], said[:, :2] / 3.6),

@@ -130,6 +130,34 @@ def _triple(names: Sequence[str], stem: str, axes: Sequence[str]) -> tuple[str, 
     return tuple(columns) if len(set(columns)) == len(axes) else ()
 
 
+def of_one_sensor(names: Sequence[str], file: str) -> dict[str, tuple[str, ...]]:
+    """Columns of a file of one sensor, which are called by their axes alone: the file or a unit says whose.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of columns.
+    file : str
+        Name of the file.
+
+    Returns
+    -------
+    dict
+        Of `angular` or `force` the three columns; empty where nothing says which.
+    """
+    for what, units, called in (
+        ("angular", ("deg/s", "rad/s"), "gyr|ang(ular)?_?(vel|rate)|rotation_?rate"),
+        ("force", ("m/s2", "g", "mg"), "acc"),
+    ):
+        endings = "|".join(ending for unit in units for ending in _UNITS[unit])
+        optional = "?" if re.search(called, plain(file)) else ""
+        pattern = rf"{_BEFORE}(?P<axis>[xyz])(_?axis)?(_({endings})){optional}"
+        found = {m["axis"]: name for name in names if (m := re.fullmatch(pattern, plain(name)))}
+        if len(found) == 3:
+            return {what: tuple(found[axis] for axis in "xyz")}
+    return {}
+
+
 def _counted(names: Sequence[str], stem: str) -> tuple[str, ...]:
     """Three columns of one stem, with an index from 0 or from 1."""
     for axes in (("0", "1", "2"), ("1", "2", "3")):

@@ -60,6 +60,10 @@ def recognised(path: Path) -> str:
             return name
     if path.name.casefold().removesuffix(".gz").endswith(TEXTS):
         return "csv"  # whose reader says what it lacks
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder, and no ROS 2 bag, which has a metadata.yaml")
+    if path.suffix == ".toml":
+        raise InputError(f"{path}: is a description; `truenorth replay` takes it")
     raise InputError(f"{path}: is in none of the formats {', '.join(FORMATS)}")
 
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Final
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict
+
+from sim_scenarios.recordings import units as of
+from sim_scenarios.recordings.readers.time_columns import ISO, TIME_OF_DAY
 
 Column = Annotated[str, BeforeValidator(lambda given: str(given) if isinstance(given, int) else given)]
 """Name of a column, or its number from 1; "" stands for what the file does not have."""
@@ -13,6 +16,25 @@ Stamps = Annotated[
     tuple[Column, ...], BeforeValidator(lambda given: given if isinstance(given, (list, tuple)) else (given,))
 ]
 NONE: Final = ("", "", "")
+
+
+def _one_of(*units: of.Units) -> AfterValidator:
+    known = {name: size for some in units for name, size in some.items()}
+
+    def check(text: str) -> str:
+        of.si(text, known)
+        return text
+
+    return AfterValidator(check)
+
+
+Time = Annotated[str, _one_of(of.TIME, {ISO: 1.0, TIME_OF_DAY: 1.0})]
+Angular = Annotated[str, _one_of(of.ANGLE, of.ANGULAR_RATE)]
+Force = Annotated[str, _one_of(of.DELTA_VELOCITY, of.SPECIFIC_FORCE)]
+Angle = Annotated[str, _one_of(of.ANGLE)]
+Length = Annotated[str, _one_of(of.LENGTH)]
+Velocity = Annotated[str, _one_of(of.VELOCITY)]
+"""Units of quantities."""
 
 
 def three(prefix: str, axes: str = "east north up") -> Three:
@@ -36,9 +58,9 @@ class ImuColumns(_Said):
 class ImuUnits(_Said):
     """Their units; angles with velocities are increments, angular rates with specific forces are rates."""
 
-    time: str = "s"
-    angular: str = "rad"
-    force: str = "m/s"
+    time: Time = "s"
+    angular: Angular = "rad"
+    force: Force = "m/s"
 
 
 class AccelerometerColumns(_Said):
@@ -51,8 +73,8 @@ class AccelerometerColumns(_Said):
 class AccelerometerUnits(_Said):
     """Their units."""
 
-    time: str = "s"
-    force: str = "m/s"
+    time: Time = "s"
+    force: Force = "m/s"
 
 
 class GnssColumns(_Said):
@@ -68,12 +90,12 @@ class GnssColumns(_Said):
 class GnssUnits(_Said):
     """Their units; `position` is that of latitude and longitude."""
 
-    time: str = "s"
-    position: str = "deg"
-    height: str = "m"
-    velocity: str = "m/s"
-    position_sigma: str = "m"
-    velocity_sigma: str = "m/s"
+    time: Time = "s"
+    position: Angle = "deg"
+    height: Length = "m"
+    velocity: Velocity = "m/s"
+    position_sigma: Length = "m"
+    velocity_sigma: Velocity = "m/s"
 
 
 class BodyVelocityColumns(_Said):
@@ -87,9 +109,9 @@ class BodyVelocityColumns(_Said):
 class BodyVelocityUnits(_Said):
     """Their units."""
 
-    time: str = "s"
-    velocity: str = "m/s"
-    sigma: str = "m/s"
+    time: Time = "s"
+    velocity: Velocity = "m/s"
+    sigma: Velocity = "m/s"
 
 
 class HeadingColumns(_Said):
@@ -103,9 +125,9 @@ class HeadingColumns(_Said):
 class HeadingUnits(_Said):
     """Their units."""
 
-    time: str = "s"
-    heading: str = "deg"
-    sigma: str = "deg"
+    time: Time = "s"
+    heading: Angle = "deg"
+    sigma: Angle = "deg"
 
 
 class HeightColumns(_Said):
@@ -119,9 +141,9 @@ class HeightColumns(_Said):
 class HeightUnits(_Said):
     """Their units."""
 
-    time: str = "s"
-    height: str = "m"
-    sigma: str = "m"
+    time: Time = "s"
+    height: Length = "m"
+    sigma: Length = "m"
 
 
 class ReferenceColumns(_Said):
@@ -136,8 +158,8 @@ class ReferenceColumns(_Said):
 class ReferenceUnits(_Said):
     """Their units; `position` is that of latitude and longitude."""
 
-    time: str = "s"
-    attitude: str = "deg"
-    position: str = "deg"
-    height: str = "m"
-    velocity: str = "m/s"
+    time: Time = "s"
+    attitude: Angle = "deg"
+    position: Angle = "deg"
+    height: Length = "m"
+    velocity: Velocity = "m/s"

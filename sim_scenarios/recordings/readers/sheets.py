@@ -123,6 +123,8 @@ def read(path: Path) -> Sheet:
     InputError
         If there is no such file, or it is no table of cells.
     """
+    if path.is_dir():
+        raise InputError(f"{path}: it is a folder, and must be a file")
     try:
         habits = habits_of(path)
         with warnings.catch_warnings():

@@ -333,6 +333,28 @@ columns = {{ attitude = ["", "pitch", "hdg"], velocity = ["ve", "vn", "vu"] }}
             "heading.sigma: '1 m' is not in a unit of this",
         ),
         ('[imu]\nfile = "imu.csv"\n[height]\nsigma = -1', "height.sigma: input should be greater than 0"),
+        ('[imu]\nfile = "imu.csv"\n[height]\nsigma = inf', "height.sigma: input should be a finite number"),
+        (
+            '[imu]\nfile = "imu.csv"\noffset = nan',
+            "imu.offset: 'nan': must be a finite number of seconds, or",
+        ),
+        ('[imu]\nfile = "imu.csv"\noffset = "late"', "imu.offset: 'late': must be a finite number of s"),
+        ('[imu]\nfile = "imu.csv"\n[gnss]\nlever_arm = [1, 2]', "gnss.lever_arm: there must be more num"),
+        (
+            '[imu]\nfile = "imu.csv"\n[gnss]\nlever_arm = [inf, 0, 0]',
+            "gnss.lever_arm.0: input should be a fi",
+        ),
+        (
+            '[imu]\nfile = "imu.csv"\ncolumns = {}\nunits = { force = "gees" }',
+            "recording.toml: imu.units.force: 'gees' is not in a unit of this quantity: m/s,",
+        ),
+        (
+            '[imu]\nfile = "imu.csv"\ncolumns = {}\nunits = { time = "minutes" }',
+            "recording.toml: imu.units.time: 'minutes' is not in a unit of this quantity: s,",
+        ),
+        ('[imu]\nfile = "."\ncolumns = {}', "it is a folder, and must be a file"),
+        ('[imu]\nfile = "."', "is a folder, and no ROS 2 bag"),
+        ('[imu]\nfile = "recording.toml"', "is a description; .truenorth replay. takes it"),
     ],
 )
 def test_what_a_description_cannot_say_is_refused(tmp_path: Path, toml: str, words: str) -> None:

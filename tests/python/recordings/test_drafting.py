@@ -291,6 +291,70 @@ def test_slow_gyros_are_not_taken_for_stamps_in_milliseconds(tmp_path: Path, ste
     assert len(load(path).imu.time) == len(gyro)
 
 
+def test_a_name_tells_seconds_of_an_imu_of_one_hertz(tmp_path: Path) -> None:
+    cells = sensor(FRD, DEGREE, 1.0, GYRO)
+    gyro, force = (cells.filter(regex=f"time|{half}") for half in ("gyro", "acc"))
+    gyro = gyro[99::100].rename(columns={"time": "time_s"})
+    path, told = drafted(tmp_path, *two_files(tmp_path, force, gyro))
+    assert told["imu"]["units"]["time"] == "s"
+    assert len(load(path).imu.time) == len(gyro)
+    nameless = cells[99::100].astype({"time": int})
+    nameless.to_csv(tmp_path / "nameless.csv", index=False)
+    text, _ = draft([tmp_path / "nameless.csv"], tmp_path)
+    assert '# with steps of 1, 1000 Hz; check: or are they seconds?\nunits.time = "ms"' in text
+
+
+@pytest.mark.parametrize(
+    ("files", "unit"),
+    [
+        (("Gyroscope.csv", "TotalAcceleration.csv"), ("", "")),
+        (("phone_gyr.csv", "phone_acc.csv"), (" (rad/s)", " (m/s^2)")),
+        (("1.csv", "2.csv"), (" (rad/s)", " (m/s^2)")),
+        (("angular velocity.csv", "accel_x_y_z.csv"), ("_axis", "_axis")),
+    ],
+)
+def test_axes_without_a_name_are_those_of_the_sensor_of_the_file(
+    tmp_path: Path, files: tuple[str, str], unit: tuple[str, str]
+) -> None:
+    """As phones log them, also in another order."""
+    cells = sensor(FRD, 1.0, 1.0, GYRO)
+    paths = [tmp_path / "gnss.csv"]
+    fix_cells(WHOLE.gnss).to_csv(paths[0], index=False)
+    for name, half, ending in zip(files, ("gyro", "acc"), unit, strict=True):
+        of_half = cells.filter(regex=f"time|{half}").rename(
+            columns={f"{half}_{axis}": f"{axis.upper()}{ending}" for axis in "xyz"}
+        )
+        paths.append(tmp_path / name)
+        of_half[of_half.columns[[0, 3, 1, 2]]].to_csv(paths[-1], index=False)
+    path, told = drafted(tmp_path, *paths)
+    assert told["imu"]["columns"]["angular"] == [f"{axis}{unit[0]}" for axis in "XYZ"]
+    assert told["accelerometer"]["columns"]["force"] == [f"{axis}{unit[1]}" for axis in "XYZ"]
+    read = load(path)
+    np.testing.assert_allclose(read.imu.delta_angle, WHOLE.imu.delta_angle, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(read.imu.delta_velocity, WHOLE.imu.delta_velocity, atol=1e-9)
+
+
+@pytest.mark.parametrize("names", [("x", "y", "z"), ("x_m", "y_m", "z_m"), ("x", "y_dps", "w")])
+def test_axes_of_which_nothing_tells_the_sensor_are_none(tmp_path: Path, names: tuple[str, ...]) -> None:
+    """A magnetometer, a place."""
+    cells = sensor(FRD, 1.0, 1.0, GYRO).filter(regex="time|acc")
+    cells.set_axis(["time", *names], axis=1).to_csv(tmp_path / "field.csv", index=False)
+    with pytest.raises(
+        InputError, match=f"neither an IMU nor an aid .* columns are time, {', '.join(names)}"
+    ):
+        draft([tmp_path / "field.csv"], tmp_path)
+
+
+def test_stamps_of_whole_seconds_are_drafted_without_a_warning(
+    tmp_path: Path, recwarn: pytest.WarningsRecorder
+) -> None:
+    cells = sensor(FLU, 1.0, 1.0, GYRO)
+    cells.assign(time=cells["time"].astype(int)).to_csv(tmp_path / "imu.csv", index=False)
+    text, _ = draft([tmp_path / "imu.csv"], tmp_path)
+    assert 'axes = "forward-left-up"' in text
+    assert not recwarn.list
+
+
 def test_vibration_does_not_pass_for_gravity(tmp_path: Path) -> None:
     """White, of 15 m/s2 on each axis, as on a drone: the size of a sample is 25 m/s2."""
     cells = sensor(FLU, 1.0, 1.0, GYRO)
