@@ -46,8 +46,12 @@ def scenario_path(name: str | Path) -> Path:
     Raises
     ------
     InputError
-        There is no such scenario.
+        There is no such scenario, or it is a file of another kind.
     """
+    if Path(name).suffix not in ("", ".toml") and toml.exists(Path(name)):
+        raise InputError(
+            f"{name} is no scenario; a recording is for `truenorth import`, `replay` and `derive`"
+        )
     is_path = isinstance(name, Path) or name.endswith(".toml") or "/" in name
     beside = Path(f"{name}.toml")
     for path in (Path(name) if is_path else SCENARIOS / beside, beside):
@@ -98,6 +102,8 @@ def with_filter_fmu(table: Mapping[str, Any], fmu: str) -> dict[str, Any]:
 def read_scenario(path: Path, above: tuple[Path, ...] = ()) -> dict[str, Any]:
     """Content of a scenario file upon that of the one it extends; `above` are those that extend it."""
     table = located(toml.read(path), path.parent)
+    if "imu" in table:
+        raise InputError(f"{path} describes a recording: `truenorth replay {path}` takes it")
     if "compare" in table:
         table["compare"] = located_filters(table["compare"], path.parent)
     if "extends" not in table:

@@ -38,7 +38,13 @@ def of_file(path: Path, recording: Recording) -> tuple[ReferenceTable, list[str]
     InputError
         If the file has no reference, its stamps do not increase, or none is of the recording's time.
     """
-    contents = formats.read(path)
+    form = formats.recognised(path)
+    if form == "csv":
+        raise InputError(
+            f"{path}: has no reference that is known by itself: a table reference of recording.toml says "
+            "what its columns are; `truenorth import` drafts it of a file with an attitude"
+        )
+    contents = formats.read(path, form)
     if contents.reference is None:
         raise InputError(f"{path}: has no reference: neither an attitude nor a solution of somebody else")
     clock = contents.clock

@@ -121,6 +121,19 @@ def test_compare_says_which_command_does_it(ship: Path) -> None:
     assert f"truenorth replay {ship} --axis" in result.output
 
 
+@pytest.mark.parametrize("command", ["run", "bound", "campaign"])
+def test_what_runs_scenarios_says_what_takes_a_recording(command: str, ship: Path, tmp_path: Path) -> None:
+    described = tmp_path / "recording.toml"
+    described.write_text('[imu]\nfile = "imu.csv"\n')
+    for given, said in (
+        (described, "describes a recording: `truenorth replay"),
+        (ship, "is no scenario; a rec"),
+    ):
+        result = truenorth(command, given)
+        assert result.exit_code == 2
+        assert f"{given} {said}" in result.stderr
+
+
 def test_what_is_an_axis_is_not_set_for_all() -> None:
     filters = {"igg": {"corrector": "igg"}}
     with pytest.raises(InputError, match="the setting corrector: is for all filters, and igg has one"):
