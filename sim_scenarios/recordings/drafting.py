@@ -29,7 +29,7 @@ from sim_scenarios.recordings.description import TABLES
 from sim_scenarios.recordings.fixes import with_velocities_later
 from sim_scenarios.recordings.guesses import Guess
 from sim_scenarios.recordings.readers import formats, plain, sheets
-from sim_scenarios.recordings.readers.columns import likely, of_one_sensor
+from sim_scenarios.recordings.readers.columns import incomplete, likely, of_one_sensor
 from sim_scenarios.recordings.readers.contents import Clock, Contents
 from sim_scenarios.recordings.readers.sheets import Sheet
 from sim_scenarios.recordings.sources import FOUND
@@ -55,6 +55,8 @@ class Part:
     path: Path
     contents: Contents
     entries: dict[str, Guess] = field(default_factory=dict)
+    incomplete: tuple[str, ...] = ()
+    """Columns beside it along one axis or two."""
 
     @property
     def rows(self) -> Any:
@@ -165,9 +167,10 @@ def _check_imu(parts: dict[str, Part], files: Sequence[Path]) -> None:
         [(_, lacks)] = halves.values()
         named = half.entries.get(f"columns.{key}")
         what = ", ".join(named.value) if named else f"its {has}"
+        but = f" but {', '.join(half.incomplete)}, which are not along three axes" if half.incomplete else ""
         raise InputError(
-            f"{half.path}: {what} are of an IMU, and there are no {lacks} beside them: name the file that "
-            "has them too; beside positions, velocities or an attitude they are not taken for half of an IMU"
+            f"{half.path}: {what} are of an IMU, and there are no {lacks} beside them{but}: name the file "
+            "that has them too; beside positions, velocities or an attitude they are no half of an IMU"
         )
 
 
@@ -219,7 +222,7 @@ def _of_cells(sheet: Sheet) -> list[Part]:
         }
         units = {f"units.{key}": guess for key, guess in told.units.items()}
         contents = TABLES[table][1](sheet, *told.models())
-        parts.append(Part(table, sheet.path, contents, {**named, **units}))
+        parts.append(Part(table, sheet.path, contents, {**named, **units}, incomplete(names)))
     if not parts:
         raise InputError(
             f"{sheet.path}: has neither an IMU nor an aid that can be recognised; its columns are "

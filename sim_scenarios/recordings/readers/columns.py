@@ -106,6 +106,12 @@ def likely(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     return {what: columns for what, columns in found.items() if columns}
 
 
+def incomplete(names: Sequence[str]) -> tuple[str, ...]:
+    """Columns that are likely rates or forces along one axis or two, of which another has none."""
+    some = (_of_some_axes(names, stem, "xyz") for stem in (_ANGULAR, _FORCE))
+    return tuple(name for columns in some if len(columns) < 3 for name in columns)
+
+
 def _time(names: Sequence[str]) -> tuple[str, ...]:
     words = {name: plain(name) for name in names}
     for pattern in (
@@ -121,13 +127,18 @@ def _time(names: Sequence[str]) -> tuple[str, ...]:
 
 def _triple(names: Sequence[str], stem: str, axes: Sequence[str]) -> tuple[str, ...]:
     """Three columns of one stem, one for each axis, which stands behind the stem or in front of it."""
+    columns = _of_some_axes(names, stem, axes)
+    return columns if len(set(columns)) == len(axes) else ()
+
+
+def _of_some_axes(names: Sequence[str], stem: str, axes: Sequence[str]) -> tuple[str, ...]:
     columns = []
     for axis in axes:
         behind = rf"{_BEFORE}(?:{stem})_?(?:{axis}){_AFTER}"
         in_front = rf"{_BEFORE}(?:{axis})_?(?:{stem}){_AFTER}"
         fitting = [n for n in names if re.fullmatch(behind, plain(n)) or re.fullmatch(in_front, plain(n))]
         columns += fitting[:1]
-    return tuple(columns) if len(set(columns)) == len(axes) else ()
+    return tuple(columns)
 
 
 def of_one_sensor(names: Sequence[str], file: str) -> dict[str, tuple[str, ...]]:

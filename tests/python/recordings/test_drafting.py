@@ -214,6 +214,13 @@ def test_half_an_imu_is_refused_with_what_it_lacks(tmp_path: Path, kind: str, la
         draft([tmp_path / "half.csv"], tmp_path)
 
 
+def test_columns_of_which_an_axis_is_missing_are_named(tmp_path: Path) -> None:
+    sensor(FLU, 1.0, 1.0, GYRO).drop(columns="gyro_y").to_csv(tmp_path / "imu.csv", index=False)
+    said = "no angular rates beside them but gyro_x, gyro_z, which are not along three axes: name the file"
+    with pytest.raises(InputError, match=said):
+        draft([tmp_path / "imu.csv"], tmp_path)
+
+
 def test_two_halves_of_an_imu_are_one(tmp_path: Path) -> None:
     """At 100 Hz and 50 Hz, as phones log them; fixes tell degrees and which way is ahead."""
     cells = sensor(FRD, DEGREE, 1.0, GYRO)
@@ -277,7 +284,7 @@ def test_further_columns_do_not_hide_a_half(tmp_path: Path) -> None:
     assert set(told) == {"imu", "accelerometer", "heading", "height"}
     np.testing.assert_allclose(load(path).imu.delta_velocity, WHOLE.imu.delta_velocity, atol=1e-9)
     files = two_files(tmp_path, force.assign(lat=45.0, lon=9.0), gyro)
-    with pytest.raises(InputError, match="beside positions, velocities or an attitude they are not taken"):
+    with pytest.raises(InputError, match="beside positions, velocities or an attitude they are no half"):
         draft(files, tmp_path)
 
 
