@@ -258,8 +258,6 @@ def test_units_decide_between_rates_and_increments(
     [
         ("deg/s", "m/s", "deg/s and m/s do not go together"),
         ("rad", "g", "rad and g do not go together"),
-        ("degrees", "g", "'degrees' is not in a unit of this quantity: rad, mrad, deg"),
-        ("rad", "0 m/s", "must be finite and not 0"),
     ],
 )
 def test_units_that_contradict_each_other_are_refused(
@@ -269,6 +267,19 @@ def test_units_that_contradict_each_other_are_refused(
     path.write_text(written(cells))
     with pytest.raises(InputError, match=words):
         delimited.imu(sheets.read(path), layouts.ImuColumns(), layouts.ImuUnits(angular=angular, force=force))
+
+
+@pytest.mark.parametrize(
+    ("angular", "force", "words"),
+    [
+        ("degrees", "g", "'degrees' is not in a unit of this quantity: rad, mrad, deg"),
+        ("rad", "0 m/s", "must be finite and not 0"),
+        ("rad", "m", "'m' is not in a unit of this quantity: m/s"),
+    ],
+)
+def test_what_is_no_unit_is_refused_before_a_file_is_read(angular: str, force: str, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        layouts.ImuUnits(angular=angular, force=force)
 
 
 STAMPS = {
