@@ -10,7 +10,7 @@ import numpy as np
 
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings import ahead, forces, tracks, turns
-from sim_scenarios.recordings.tables import FixTable, ImuTable, Recording
+from sim_scenarios.recordings.tables import FixTable, ImuTable, Recording, finite
 from sim_scenarios.recordings.turns import Turns
 
 SURE: Final = 0.8
@@ -81,10 +81,8 @@ Table = TypeVar("Table", ImuTable, FixTable)
 
 
 def _numbers(table: Table) -> Table:
-    finite: dict[str, Any] = {
-        name: np.where(np.isfinite(values), values, np.nan) for name, values in vars(table).items()
-    }
-    return replace(table, **finite)
+    numbers: dict[str, Any] = {name: finite(values) for name, values in vars(table).items()}
+    return replace(table, **numbers)
 
 
 def _certain(recording: Recording) -> list[str]:

@@ -33,7 +33,7 @@ from sim_scenarios.recordings.readers.columns import incomplete, likely, of_one_
 from sim_scenarios.recordings.readers.contents import Clock, Contents
 from sim_scenarios.recordings.readers.sheets import Sheet
 from sim_scenarios.recordings.sources import FOUND
-from sim_scenarios.recordings.tables import ImuTable
+from sim_scenarios.recordings.tables import ImuTable, finite
 from sim_scenarios.toml import comment, written
 from sim_scenarios.units import DEGREE
 
@@ -352,11 +352,11 @@ def _guess_offset(parts: dict[str, Part]) -> None:
 
 
 def _increments(imu: Part) -> ImuTable:
-    """Increments in the sensor's own axes."""
-    covers = np.ones(1) if imu.rows.increments else stamps.intervals(imu.rows.time)
-    if not covers.any():  # of stamps so coarse that most are repeated, which loading the description tells
-        covers = np.ones(1)
-    return ImuTable(imu.rows.time, imu.rows.angular * covers[:, None], imu.rows.force * covers[:, None])
+    """Increments in the sensor's own axes; with stamps that hardly rise, which loading tells, the rates."""
+    rising = np.median(np.diff(imu.rows.time)) > 0
+    covers = stamps.intervals(imu.rows.time) if rising and not imu.rows.increments else np.ones(1)
+    angular, force = (finite(half) * covers[:, None] for half in (imu.rows.angular, imu.rows.force))
+    return ImuTable(imu.rows.time, angular, force)
 
 
 def _text(parts: list[Part], left_out: list[str], folder: Path) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -24,7 +24,7 @@ from sim_scenarios.recordings.readers import delimited, layouts
 from sim_scenarios.recordings.readers.contents import Inertial
 from sim_scenarios.recordings.readers.sheets import Sheet
 from sim_scenarios.recordings.readers.time_columns import ISO, TIME_OF_DAY
-from sim_scenarios.recordings.tables import Array, ImuTable
+from sim_scenarios.recordings.tables import Array, ImuTable, finite
 from sim_scenarios.units import STANDARD_GRAVITY
 
 Columns = Mapping[str, tuple[str, ...]]
@@ -38,10 +38,14 @@ LEAST_COUNTS: Final = 2.0
 NEAR_GRAVITY: Final = 1.25
 """Factor by which a mean force may differ from gravity to tell its unit."""
 FASTEST: Final = 40.0  # rad/s, more than 2000 deg/s
+LEAST_STEADY: Final = 0.3
+"""Least share of a force that lasts: gravity does, unless an IMU is turned over and over."""
 SMALLEST_COUNT: Final = 1000.0
 """From which on a latitude or a longitude is a whole number of 1e-7 deg, as receivers put it out."""
 BY_SIZE: Final = "check: by size alone"
 """Of a unit that nothing else tells."""
+COUNTS: Final = "check: counts?"
+"""Of a force that has the size of gravity in none."""
 _FORCES: Final = ("m/s2", "g", "mg")
 _KINDS_OF_IMU: Final = (layouts.ImuColumns, layouts.ImuUnits)
 
@@ -141,6 +145,11 @@ def _time(sheet: Sheet, name: str, steps: tuple[float, float]) -> Guess:
     cells = sheet.column(name)
     if not pd.api.types.is_numeric_dtype(cells):
         text = str(cells.dropna().iloc[0]) if cells.notna().any() else ""
+        if len(cells) > 1 and pd.to_numeric(cells[1:], errors="coerce").notna().all():
+            raise InputError(
+                f"{sheet.path}: line {sheet.line(0)}: {name} holds '{text}', and numbers below it: take "
+                "out the second line of a header"
+            )
         return Guess(TIME_OF_DAY if ":" in text[:3] else ISO, f"stamps such as {text}")
     numbers = sheet.numbers(name)
     differences = np.diff(numbers[np.isfinite(numbers)])
@@ -165,7 +174,7 @@ def _inertial(sheet: Sheet, columns: Columns, *measured: str) -> tuple[Guess, In
     ).imu
     assert read is not None
     _check_samples(sheet, _some(columns, *measured), read.time)
-    return time, read
+    return time, replace(read, angular=finite(read.angular), force=finite(read.force))
 
 
 def _imu(sheet: Sheet, columns: Columns) -> Told:
@@ -176,6 +185,7 @@ def _imu(sheet: Sheet, columns: Columns) -> Told:
     period = stamps.period(read.time[rows])
     mean = forces.mean_size(read.force[rows], read.time[rows])
     force = _force(columns["force"][0], mean, period)
+    _check_gravity(sheet, columns["force"], read.force, force)
     increments = of.measures(force.value, of.DELTA_VELOCITY)
     raw = ImuTable(
         read.time[rows],
@@ -206,8 +216,10 @@ def _accelerometers(sheet: Sheet, columns: Columns) -> Told:
     assert read is not None
     _check_samples(sheet, _some(columns, "force"), read.time)
     stamps_once, first = np.unique(read.time, return_index=True)
-    mean = forces.mean_size(read.force[first], stamps_once)
+    values = finite(read.force[first])
+    mean = forces.mean_size(values, stamps_once)
     force = _force(columns["force"][0], mean, stamps.period(stamps_once))
+    _check_gravity(sheet, columns["force"], values, force)
     return Told(columns, {"time": time, "force": force}, kinds)
 
 
@@ -222,6 +234,17 @@ def _check_samples(sheet: Sheet, columns: Columns, time: Array) -> None:
                 raise InputError(f"{sheet.path}: column {name} has no number in it")
         if not known.all(axis=0).any():
             raise InputError(f"{sheet.path}: no row has a number in each of the columns {', '.join(names)}")
+
+
+def _check_gravity(sheet: Sheet, names: Sequence[str], values: Array, force: Guess) -> None:
+    """Refuse counts of a force that points nowhere for long, as accelerations without gravity do."""
+    lasting = float(np.linalg.norm(np.nanmean(values, axis=0)))
+    size = float(np.nanmean(np.linalg.norm(values, axis=1)))
+    if force.why.startswith(COUNTS) and not lasting > LEAST_STEADY * size:
+        raise InputError(
+            f"{sheet.path}: {', '.join(names)} are {size:.3g} in size and {lasting:.3g} in the mean: gravity "
+            "is not in them, which an IMU feels; accelerations that it was taken from are of no use"
+        )
 
 
 def _force(name: str, mean: float, period: float) -> Guess:
@@ -239,7 +262,7 @@ def _force(name: str, mean: float, period: float) -> Guess:
                 return Guess(unit, f"{kind},{by_name} gravity is {mean:.4g} in the mean{over}")
     return Guess(
         f"{STANDARD_GRAVITY / max(mean, 1e-30):.6g} m/s2",
-        f"check: counts? the mean of {mean:.4g} is taken for gravity",
+        f"{COUNTS} the mean of {mean:.4g} is taken for gravity",
     )
 
 
@@ -278,7 +301,7 @@ def _place(sheet: Sheet, columns: Columns, time: Guess) -> Guess:
     latitude, longitude, _ = columns["position"]
     if said := named.unit(latitude, ("deg", "rad")):
         return Guess(said, f"by the name {latitude}")
-    largest = float(np.nanmax(np.abs([sheet.numbers(latitude), sheet.numbers(longitude)])))
+    largest = _largest(sheet, (latitude, longitude))
     if largest > SMALLEST_COUNT:
         return Guess("1e-7 deg", f"up to {largest:.4g}, as whole numbers of receivers are")
     if largest <= math.pi and "velocity" in columns:
@@ -287,6 +310,11 @@ def _place(sheet: Sheet, columns: Columns, time: Guess) -> Guess:
         if fixes is not None and tracks.explanations(fixes)[0] < tracks.GOOD:
             return Guess("rad", f"up to {largest:.4g}, and as radians they move as the velocities say")
     return Guess("deg", f"up to {largest:.4g}")
+
+
+def _largest(sheet: Sheet, names: Sequence[str]) -> float:
+    sizes = np.abs([sheet.numbers(name) for name in names])
+    return float(np.max(sizes, where=np.isfinite(sizes), initial=0.0))
 
 
 def _speed(name: str) -> Guess:
@@ -298,5 +326,5 @@ def _speed(name: str) -> Guess:
 def _angle(sheet: Sheet, names: Sequence[str]) -> Guess:
     if said := named.unit(names[0], ("deg", "rad")):
         return Guess(said, f"by the name {names[0]}")
-    largest = float(np.nanmax(np.abs([sheet.numbers(name) for name in names])))
+    largest = _largest(sheet, names)
     return Guess("deg" if largest > 2 * math.pi else "rad", f"up to {largest:.4g}")

@@ -116,3 +116,8 @@ class Recording:
     """GPS time from which all stamps count [s since 1980-01-06]; None: no table tells the date."""
     remarks: tuple[str, ...] = ()
     """Sentences on what was left out or changed when it was read."""
+
+
+def finite(values: Array) -> Array:
+    """Values of which what is infinite is not a number, as what was not measured."""
+    return np.where(np.isfinite(values), values, np.nan)

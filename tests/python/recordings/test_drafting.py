@@ -352,13 +352,52 @@ def test_axes_of_which_nothing_tells_the_sensor_are_none(tmp_path: Path, names: 
         draft([tmp_path / "field.csv"], tmp_path)
 
 
-def test_stamps_of_whole_seconds_are_drafted_without_a_warning(
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda cells: cells.assign(time=cells["time"].astype(int)),
+        lambda cells: cells[::-1],
+        lambda cells: cells.assign(gyro_x=[np.inf, *cells["gyro_x"][1:]]),
+    ],
+    ids=["whole seconds", "backwards", "infinite"],
+)
+def test_odd_rows_are_drafted_without_a_warning(
+    tmp_path: Path, recwarn: pytest.WarningsRecorder, change: Callable[[pd.DataFrame], pd.DataFrame]
+) -> None:
+    change(sensor(FLU, 1.0, 1.0, GYRO)).to_csv(tmp_path / "imu.csv", index=False)
+    fix_cells(WHOLE.gnss).to_csv(tmp_path / "gnss.csv", index=False)
+    text, _ = draft([tmp_path / "imu.csv", tmp_path / "gnss.csv"], tmp_path)
+    assert 'axes = "forward-left-up"' in text
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize("kept", [0.0, 1.0])
+@pytest.mark.parametrize("half", ["acc", "gyro|acc"])
+def test_accelerations_without_gravity_are_refused(tmp_path: Path, kept: float, half: str) -> None:
+    """As phones log them beside those that an IMU feels; and what is 0 throughout."""
+    cells = sensor(FLU, 1.0, 1.0, GYRO)
+    cells["acc_z"] -= cells["acc_z"].mean()
+    cells[["acc_x", "acc_y", "acc_z"]] *= kept
+    cells.filter(regex=f"time|{half}").to_csv(tmp_path / "imu.csv", index=False)
+    with pytest.raises(InputError, match=r"acc_x, acc_y, acc_z are .* in the mean: gravity is not in them"):
+        draft([tmp_path / "imu.csv"], tmp_path)
+
+
+def test_a_line_of_units_below_the_header_is_refused_with_its_line(tmp_path: Path) -> None:
+    head, *rows = sensor(FLU, 1.0, 1.0, GYRO).to_csv(index=False).splitlines()
+    (tmp_path / "imu.csv").write_text("\n".join([head, "s" + 6 * ",SI", *rows]))
+    with pytest.raises(InputError, match="line 2: time holds 's', and numbers below it: take out the second"):
+        draft([tmp_path / "imu.csv"], tmp_path)
+
+
+def test_fixes_without_a_number_are_refused_without_a_warning(
     tmp_path: Path, recwarn: pytest.WarningsRecorder
 ) -> None:
-    cells = sensor(FLU, 1.0, 1.0, GYRO)
-    cells.assign(time=cells["time"].astype(int)).to_csv(tmp_path / "imu.csv", index=False)
-    text, _ = draft([tmp_path / "imu.csv"], tmp_path)
-    assert 'axes = "forward-left-up"' in text
+    sensor(FLU, 1.0, 1.0, GYRO).to_csv(tmp_path / "imu.csv", index=False)
+    fixes = fix_cells(WHOLE.gnss)
+    fixes.assign(**dict.fromkeys(fixes.columns[1:], np.nan)).to_csv(tmp_path / "gnss.csv", index=False)
+    with pytest.raises(InputError, match=r"gnss\.csv: no row has anything for gnss"):
+        draft([tmp_path / "imu.csv", tmp_path / "gnss.csv"], tmp_path)
     assert not recwarn.list
 
 
