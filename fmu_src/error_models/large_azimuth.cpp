@@ -1,5 +1,7 @@
 #include "error_models/large_azimuth.hpp"
 
+#include <Eigen/Cholesky>
+
 #include "estimation/model.hpp"
 
 namespace truenorth {
@@ -40,6 +42,22 @@ Matrix<LargeAzimuth::kMeasurements, LargeAzimuth::kStates> LargeAzimuth::measure
 
 Eigen::Matrix2d LargeAzimuth::measurement_noise(const State& /*x*/, const Fix& /*fix*/) const {
     return noise.velocity_sigma * noise.velocity_sigma * Eigen::Matrix2d::Identity();
+}
+
+Matrix<LargeAzimuth::kStates> LargeAzimuth::hindsight(const Matrix<kStates>& prior,
+                                                      const State& correction) const {
+    Matrix<kStates> J = Matrix<kStates>::Identity();
+    if (velocity_form == VelocityForm::vertical_force) {  // the heading is not seen by any horizontal force
+        return J;
+    }
+    constexpr int count = kGyroX - kPhiEast;
+    const Vector<count> share = prior.block<count, count>(kPhiEast, kPhiEast)
+                                    .ldlt()
+                                    .solve(correction.segment<count>(kPhiEast));
+    const Eigen::Vector2d done = prior.block<2, count>(kVelocityEast, kPhiEast) * share;
+    J(kVelocityEast, kPhiUp) = -done.y();
+    J(kVelocityNorth, kPhiUp) = done.x();
+    return J;
 }
 
 Matrix<LargeAzimuth::kStates> LargeAzimuth::jacobian(const State& x, const Interval& interval) const {

@@ -95,6 +95,11 @@ class LargeAzimuth {
     [[nodiscard]] static Matrix<kMeasurements, kStates> measurement_matrix(const State& x, const Fix& fix);
     [[nodiscard]] Eigen::Matrix2d measurement_noise(const State& x, const Fix& fix) const;
 
+    // Heading times horizontal force makes velocity, and the computed force is horizontal by the tilts and
+    // accelerometer biases that are not known yet: a first-order filter takes that for a sight of the
+    // heading. What a correction says that they have done to the velocity was none.
+    [[nodiscard]] Matrix<kStates> hindsight(const Matrix<kStates>& prior, const State& correction) const;
+
     // dx/dt of every column of x, and its Jacobian at x.
     template <class Set>
     [[nodiscard]] Set rate(const Set& x, const Interval& interval) const;

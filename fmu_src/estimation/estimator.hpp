@@ -51,11 +51,18 @@ class Estimator {
             appended.learn<kStates>(covariance / correction.alpha, correction.covariance,
                                     correction.deviation);
         }
-        covariance = correction.covariance;
-        correct(model, state, correction.deviation, [this](const Matrix<kStates>& F) {
+        const auto carry = [this](const Matrix<kStates>& F) {
             covariance = transformed<kStates>(F, covariance);
             appended.carry<kStates>(F);
-        });
+        };
+        if constexpr (requires { model.hindsight(covariance, correction.deviation); }) {
+            const Matrix<kStates> J = model.hindsight(covariance, correction.deviation);
+            covariance = correction.covariance;
+            carry(J);
+        } else {
+            covariance = correction.covariance;
+        }
+        correct(model, state, correction.deviation, carry);
     }
 
     // The estimate has been fed back to what it is an error of; what remains of it is what the model says, or

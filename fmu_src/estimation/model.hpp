@@ -52,6 +52,11 @@ void move(const M& model, typename M::State& state, const typename M::Interval& 
 //   transport(x, y)            of the deviations from y, the state that a correction has made of x, with
 //                              respect to those from x (N x N)
 //
+// A model that was linearised at what a correction then changes may offer besides:
+//
+//   hindsight(P, d)            of the deviations after the correction d of the prior P, with respect to what
+//                              the linear filter takes for them (N x N)
+//
 // Third phase of the filter step: moves the state by a correction; `carry` does with all that is known of the
 // deviations what is to be done.
 template <ErrorModel M, class Carry>

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "estimation/augmented.hpp"
+#include "estimation/estimator.hpp"
 #include "estimation/linearised.hpp"
 #include "estimation/standard.hpp"
 #include "estimation/unscented.hpp"
@@ -445,6 +446,68 @@ TEST(LargeAzimuthReset, JacobianIsTheDerivativeOfWhatRemains) {
             others.block<3, 3>(Model::kPhiEast, Model::kPhiEast).setIdentity();
             EXPECT_EQ(others, Matrix<Model::kStates>::Identity());
         }
+    }
+}
+
+TEST(LargeAzimuthHindsight, TakesOutTheSightOfTheHeadingThatAWrongTiltGave) {
+    // Tilts alone have made the velocity errors, (-g phi_n, g phi_e) t, and a correction finds the tilts.
+    constexpr double kFallen = 9.8 * 3.0;
+    State sigma = State::Constant(1e-6);
+    sigma.segment<2>(Model::kPhiEast).setConstant(0.01);
+    Matrix<Model::kStates> P = sigma.cwiseAbs2().asDiagonal();
+    Matrix<Model::kStates> F = Matrix<Model::kStates>::Identity();
+    F(Model::kVelocityEast, Model::kPhiNorth) = -kFallen;
+    F(Model::kVelocityNorth, Model::kPhiEast) = kFallen;
+    P = (F * P * F.transpose()).eval();
+    State correction = State::Zero();
+    correction.segment<2>(Model::kPhiEast) << 0.002, 0.003;
+
+    Matrix<Model::kStates> J = Model{}.hindsight(P, correction);
+    // The false force was (-g phi_n, g phi_e); a heading error turns it clockwise.
+    EXPECT_NEAR(J(Model::kVelocityEast, Model::kPhiUp), -kFallen * 0.002, 1e-12);
+    EXPECT_NEAR(J(Model::kVelocityNorth, Model::kPhiUp), -kFallen * 0.003, 1e-12);
+    J.block<2, 1>(Model::kVelocityEast, Model::kPhiUp).setZero();
+    EXPECT_EQ(J, Matrix<Model::kStates>::Identity());
+    EXPECT_EQ(Model{.velocity_form = Form::vertical_force}.hindsight(P, correction),
+              Matrix<Model::kStates>::Identity());
+}
+
+TEST(LargeAzimuthHindsight, LearnsNoHeadingWhereNoForceIsHorizontal) {
+    // Level and at rest on an Earth that does not turn, ideal sensors and fixes: nothing tells the heading.
+    constexpr double g = 9.8;
+    Model::Interval interval(IntervalAverage{}, {}, State::Zero());
+    interval.dt = 1.0;
+    interval.velocity.setZero();
+    interval.omega_ie.setZero();
+    interval.omega_en.setZero();
+    for (const Predictor& predictor : {Predictor(Linearised()), Predictor(Unscented())}) {
+        Estimator<Model> estimator;
+        estimator.model.noise = {
+            .angle_random_walk = 1e-6, .velocity_random_walk = 5e-4, .velocity_sigma = 0.1};
+        estimator.predictor = predictor;
+        State sigma;
+        sigma << 0.1, 0.1, Vector2d::Constant(0.5 * kDegree), 10.0 * kDegree, Vector2d::Constant(1e-2),
+            Vector3d::Constant(2.4e-7);
+        estimator.covariance = sigma.cwiseAbs2().asDiagonal();
+        Matrix3d C = exact_C({0.5 * kDegree, 0.5 * kDegree, 10.0 * kDegree});
+        Vector2d velocity = Vector2d::Zero();
+        Vector2d accelerometer = Vector2d::Zero();  // what they are held to be off by
+        for (int second = 0; second < 60; ++second) {
+            interval.C_bn = C;
+            interval.force = C * Vector3d(-accelerometer.x(), -accelerometer.y(), g);
+            velocity += interval.dt * interval.force.head<2>();
+            ASSERT_EQ(estimator.predict(interval), Prediction::sound);
+            const Model::Fix fix{.velocity_difference = velocity, .lever_velocity = Vector3d::Zero()};
+            estimator.apply(Standard().correct(estimator.covariance, estimator.innovate(fix)));
+            const State& x = estimator.state;
+            velocity -= x.head<2>();
+            C = exact_C(x.segment<3>(Model::kPhiEast)).transpose() * C;
+            accelerometer += x.segment<2>(Model::kAccelerometerX);
+            estimator.reset();
+        }
+        // Without hindsight 8.5 deg.
+        EXPECT_GT(std::sqrt(estimator.covariance(Model::kPhiUp, Model::kPhiUp)), 9.5 * kDegree);
+        EXPECT_NEAR(angles_of(C).z(), 10.0 * kDegree, 1.0 * kDegree);
     }
 }
 

@@ -72,6 +72,38 @@ TEST(Estimator, TeachesTheConstantsByThePriorThatWasUsed) {
     EXPECT_EQ(estimator.appended.covariance(), expected.covariance());
 }
 
+struct HindsightModel : LinearModel<4> {
+    [[nodiscard]] static Matrix<4> hindsight(const Matrix<4>& P, const Vector<4>& correction) {
+        return Matrix<4>::Identity() + P * correction * Vector<4>::Unit(2).transpose();
+    }
+};
+
+TEST(Estimator, SeesThePriorAnewAfterACorrection) {
+    RandomCovariance random(19);
+    Estimator<HindsightModel> estimator;
+    estimator.state = random.normal<4, 1>();
+    estimator.covariance = random.covariance<4>(0.1, 1.0);
+    estimator.appended.prior_sigma.setConstant(0.1);
+    estimator.appended.start();
+    const Innovation<4, 2> both{.residual = Vector<2>::Zero(),
+                                .spread = Matrix<2>::Identity(),
+                                .noise = Matrix<2>::Identity(),
+                                .cross = 0.1 * random.normal<4, 2>()};
+    estimator.appended = estimator.appended.after(both, Matrix<6, 2>(1e-3 * random.normal<6, 2>()));
+    const auto innovation = estimator.innovate({Eigen::Vector2d(1.0, 2.0)});
+    const auto correction = Standard().correct(estimator.covariance, innovation);
+    const Matrix<4> J = HindsightModel::hindsight(estimator.covariance, correction.deviation);
+    const Vector<4> state = estimator.state + correction.deviation;
+    Appended expected = estimator.appended;
+    expected.learn<4>(estimator.covariance, correction.covariance, correction.deviation);
+    expected.carry<4>(J);
+    estimator.apply(correction);
+    EXPECT_EQ(estimator.state, state);
+    EXPECT_LT(relative_difference(estimator.covariance, Matrix<4>(J * correction.covariance * J.transpose())),
+              1e-14);
+    EXPECT_EQ(estimator.appended.cross<4>(), expected.cross<4>());
+}
+
 TEST(Estimator, ResetMovesTheCovarianceWithTheJacobianAtTheEstimate) {
     auto estimator = example();
     const Matrix<4> G = ResettableModel::reset_jacobian(estimator.state);
