@@ -1,7 +1,5 @@
 #include "error_models/large_azimuth.hpp"
 
-#include <Eigen/Cholesky>
-
 #include "estimation/model.hpp"
 
 namespace truenorth {
@@ -44,20 +42,29 @@ Eigen::Matrix2d LargeAzimuth::measurement_noise(const State& /*x*/, const Fix& /
     return noise.velocity_sigma * noise.velocity_sigma * Eigen::Matrix2d::Identity();
 }
 
-Matrix<LargeAzimuth::kStates> LargeAzimuth::hindsight(const Matrix<kStates>& prior,
-                                                      const State& correction) const {
-    Matrix<kStates> J = Matrix<kStates>::Identity();
-    if (velocity_form == VelocityForm::vertical_force) {  // the heading is not seen by any horizontal force
-        return J;
+Shear<LargeAzimuth::kStates> LargeAzimuth::hindsight(const Matrix<kStates>& prior,
+                                                     const State& correction) const {
+    Shear<kStates> shear{.along = kPhiUp};
+    if (velocity_form == VelocityForm::vertical_force) {  // no horizontal force shows it the heading
+        return shear;
     }
+    // The regression P_vc P_cc^-1 of the velocity errors on their causes c, misalignment and accelerometer
+    // biases: eliminating c from the equations (P_vc, 0; P_cc, d_c) leaves what d_c has made of v, negative.
     constexpr int count = kGyroX - kPhiEast;
-    const Vector<count> share = prior.block<count, count>(kPhiEast, kPhiEast)
-                                    .ldlt()
-                                    .solve(correction.segment<count>(kPhiEast));
-    const Eigen::Vector2d done = prior.block<2, count>(kVelocityEast, kPhiEast) * share;
-    J(kVelocityEast, kPhiUp) = -done.y();
-    J(kVelocityNorth, kPhiUp) = done.x();
-    return J;
+    Matrix<2 + count, count + 1> equations;
+    equations.leftCols<count>() = prior.block<2 + count, count>(kVelocityEast, kPhiEast);
+    equations.col(count) << 0.0, 0.0, correction.segment<count>(kPhiEast);
+    for (int j = 0; j < count; ++j) {
+        const double pivot = equations(2 + j, j);
+        if (!(pivot > 0.0)) {
+            return shear;
+        }
+        for (int k = j + 1; k <= count; ++k) {
+            equations.col(k) -= (equations(2 + j, k) / pivot) * equations.col(j);
+        }
+    }
+    shear.by.segment<2>(kVelocityEast) << equations(1, count), -equations(0, count);
+    return shear;
 }
 
 Matrix<LargeAzimuth::kStates> LargeAzimuth::jacobian(const State& x, const Interval& interval) const {

@@ -23,6 +23,7 @@
 #include "error_models/misalignment.hpp"
 #include "error_models/navigation_interval.hpp"
 #include "error_models/vector_model.hpp"
+#include "estimation/shear.hpp"
 
 namespace truenorth {
 
@@ -98,7 +99,7 @@ class LargeAzimuth {
     // Heading times horizontal force makes velocity, and the computed force is horizontal by the tilts and
     // accelerometer biases that are not known yet: a first-order filter takes that for a sight of the
     // heading. What a correction says that they have done to the velocity was none.
-    [[nodiscard]] Matrix<kStates> hindsight(const Matrix<kStates>& prior, const State& correction) const;
+    [[nodiscard]] Shear<kStates> hindsight(const Matrix<kStates>& prior, const State& correction) const;
 
     // dx/dt of every column of x, and its Jacobian at x.
     template <class Set>

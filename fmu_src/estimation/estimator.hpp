@@ -51,18 +51,19 @@ class Estimator {
             appended.learn<kStates>(covariance / correction.alpha, correction.covariance,
                                     correction.deviation);
         }
-        const auto carry = [this](const Matrix<kStates>& F) {
-            covariance = transformed<kStates>(F, covariance);
-            appended.carry<kStates>(F);
-        };
         if constexpr (requires { model.hindsight(covariance, correction.deviation); }) {
-            const Matrix<kStates> J = model.hindsight(covariance, correction.deviation);
-            covariance = correction.covariance;
-            carry(J);
+            const auto shear = model.hindsight(covariance, correction.deviation);
+            covariance = shear.covariance(correction.covariance);
+            if (appended.related()) {
+                appended.carry<kStates>(shear.matrix());
+            }
         } else {
             covariance = correction.covariance;
         }
-        correct(model, state, correction.deviation, carry);
+        correct(model, state, correction.deviation, [this](const Matrix<kStates>& F) {
+            covariance = transformed<kStates>(F, covariance);
+            appended.carry<kStates>(F);
+        });
     }
 
     // The estimate has been fed back to what it is an error of; what remains of it is what the model says, or

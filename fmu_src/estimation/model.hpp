@@ -54,8 +54,8 @@ void move(const M& model, typename M::State& state, const typename M::Interval& 
 //
 // A model that was linearised at what a correction then changes may offer besides:
 //
-//   hindsight(P, d)            of the deviations after the correction d of the prior P, with respect to what
-//                              the linear filter takes for them (N x N)
+//   hindsight(P, d)            what the correction d of the prior P makes of the deviations that the linear
+//                              filter is left with: a Shear
 //
 // Third phase of the filter step: moves the state by a correction; `carry` does with all that is known of the
 // deviations what is to be done.

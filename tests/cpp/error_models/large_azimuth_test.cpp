@@ -462,13 +462,15 @@ TEST(LargeAzimuthHindsight, TakesOutTheSightOfTheHeadingThatAWrongTiltGave) {
     State correction = State::Zero();
     correction.segment<2>(Model::kPhiEast) << 0.002, 0.003;
 
-    Matrix<Model::kStates> J = Model{}.hindsight(P, correction);
+    Matrix<Model::kStates> J = Model{}.hindsight(P, correction).matrix();
     // The false force was (-g phi_n, g phi_e); a heading error turns it clockwise.
     EXPECT_NEAR(J(Model::kVelocityEast, Model::kPhiUp), -kFallen * 0.002, 1e-12);
     EXPECT_NEAR(J(Model::kVelocityNorth, Model::kPhiUp), -kFallen * 0.003, 1e-12);
     J.block<2, 1>(Model::kVelocityEast, Model::kPhiUp).setZero();
     EXPECT_EQ(J, Matrix<Model::kStates>::Identity());
-    EXPECT_EQ(Model{.velocity_form = Form::vertical_force}.hindsight(P, correction),
+    EXPECT_EQ(Model{.velocity_form = Form::vertical_force}.hindsight(P, correction).matrix(),
+              Matrix<Model::kStates>::Identity());
+    EXPECT_EQ(Model{}.hindsight(Matrix<Model::kStates>::Zero(), correction).matrix(),
               Matrix<Model::kStates>::Identity());
 }
 

@@ -4,6 +4,7 @@
 
 #include "estimation/example_models.hpp"
 #include "estimation/random_covariance.hpp"
+#include "estimation/shear.hpp"
 #include "estimation/standard.hpp"
 
 namespace truenorth {
@@ -73,8 +74,8 @@ TEST(Estimator, TeachesTheConstantsByThePriorThatWasUsed) {
 }
 
 struct HindsightModel : LinearModel<4> {
-    [[nodiscard]] static Matrix<4> hindsight(const Matrix<4>& P, const Vector<4>& correction) {
-        return Matrix<4>::Identity() + P * correction * Vector<4>::Unit(2).transpose();
+    [[nodiscard]] static Shear<4> hindsight(const Matrix<4>& P, const Vector<4>& correction) {
+        return {.along = 2, .by = P * correction};
     }
 };
 
@@ -92,7 +93,7 @@ TEST(Estimator, SeesThePriorAnewAfterACorrection) {
     estimator.appended = estimator.appended.after(both, Matrix<6, 2>(1e-3 * random.normal<6, 2>()));
     const auto innovation = estimator.innovate({Eigen::Vector2d(1.0, 2.0)});
     const auto correction = Standard().correct(estimator.covariance, innovation);
-    const Matrix<4> J = HindsightModel::hindsight(estimator.covariance, correction.deviation);
+    const Matrix<4> J = HindsightModel::hindsight(estimator.covariance, correction.deviation).matrix();
     const Vector<4> state = estimator.state + correction.deviation;
     Appended expected = estimator.appended;
     expected.learn<4>(estimator.covariance, correction.covariance, correction.deviation);
@@ -101,6 +102,7 @@ TEST(Estimator, SeesThePriorAnewAfterACorrection) {
     EXPECT_EQ(estimator.state, state);
     EXPECT_LT(relative_difference(estimator.covariance, Matrix<4>(J * correction.covariance * J.transpose())),
               1e-14);
+    EXPECT_EQ(estimator.covariance, estimator.covariance.transpose());
     EXPECT_EQ(estimator.appended.cross<4>(), expected.cross<4>());
 }
 
