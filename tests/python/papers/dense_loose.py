@@ -164,8 +164,9 @@ def standardised(P: Array, v: Array, R: Array) -> Array:
 
 
 def standard(P: Array, v: Array, R: Array) -> tuple[Array, Array]:
-    """Minimum variance."""
-    return update(P, H, v, R)
+    """Minimum variance, of what was measured: an innovation that is no number was not."""
+    measured = np.isfinite(v)
+    return update(P, H[measured], v[measured], R[np.ix_(measured, measured)])
 
 
 class AdaptiveFactor:
@@ -263,12 +264,13 @@ class DenseLoose:
         attitude, force = np.mean(attitudes, axis=0), np.mean(gains, axis=0) / dt
         self._predict(attitude, force, np.mean(velocities, axis=0), dt * angle.shape[1])
 
-    def correct(self, position: Array, velocity: Array) -> None:
-        """Take in a fix, shape (3,) each, and feed the errors back."""
+    def correct(self, position: Array, velocity: Array, sigma: Array) -> None:
+        """Take in a fix, shape (3,) each, and feed the errors back; sigmas, shape (6,), if it tells them."""
         earth = Earth.at(self.p, self.v)
+        R = np.diag(np.where(sigma > 0, sigma**2, np.diag(self.told.fix_noise())))
         innovation = np.hstack(((position - self.p) * earth.radii, velocity - self.v))
         for i, corrector in enumerate(self.correctors):
-            x, self.P[i] = corrector(self.P[i], innovation[i], self.told.fix_noise())
+            x, self.P[i] = corrector(self.P[i], innovation[i], R)
             reset = np.eye(STATES)
             reset[PHI, PHI] = mean_rotation(x[PHI])
             self.P[i] = reset @ self.P[i] @ reset.T

@@ -11,7 +11,7 @@ from contextlib import ExitStack
 import numpy as np
 import pytest
 import xarray as xr
-from dense_loose import AdaptiveFactor, Array, DenseLoose, GuardedIgg, Told, standard
+from dense_loose import AdaptiveFactor, Array, Corrector, DenseLoose, GuardedIgg, Told, standard
 
 from sim_scenarios import attitude, connection, provenance, simulation
 from sim_scenarios.attitude import wrap
@@ -30,6 +30,19 @@ COMPARED: dict[str, dict[str, object]] = {
     "adaptive factor": {"corrector": "adaptive_factor"},
     "IGG with guard": {"corrector": "igg"},
 }
+PARTS: dict[str, dict[str, object]] = {
+    "positions alone": {"gnss.measures_velocity": False},
+    "velocities alone": {"gnss.measures_position": False},
+    "no height": {"gnss.measures_position[3]": False},
+    "no velocity east": {"gnss.measures_velocity[1]": False},
+    "sigmas of each": {
+        "gnss.reports_sigma": True,
+        "gnss.noise_scale.sine.amplitude": 0.8,
+        "gnss.noise_scale.sine.period": 70.0,
+        "gnss.noise_scale.sine.begin": 0.0,
+        "gnss.noise_scale.sine.end": 600.0,
+    },
+}
 PLACE = ("longitude", "latitude", "height")
 ANGLES = ("roll", "pitch", "heading")
 AXES = (1, 2, 3)
@@ -39,6 +52,7 @@ SENSED = (
     "gnss.sample",
     *(f"gnss.{name}" for name in PLACE),
     *(f"gnss.velocity[{i}]" for i in AXES),
+    *(f"gnss.fix_{kind}_sigma[{i}]" for kind in ("position", "velocity") for i in AXES),
 )
 
 
@@ -81,18 +95,24 @@ def told(scenario: Scenario) -> Told:
     )
 
 
-def dense_run(scenario: Scenario, data: xr.Dataset, signals: dict[str, Array]) -> dict[str, Array]:
+def as_compared(scenario: Scenario) -> list[Corrector]:
+    """Those of COMPARED; the model is linear."""
+    adaptive = AdaptiveFactor(told(scenario).widest())
+    return [standard, standard, adaptive, GuardedIgg(adaptive)]
+
+
+def dense_run(
+    scenario: Scenario, data: xr.Dataset, signals: dict[str, Array], correctors: list[Corrector]
+) -> dict[str, Array]:
     """What the dense filters have after each fix, arrays of the shape (fixes, filters, ...)."""
 
     def vectors(name: str) -> Array:
         return np.column_stack([signals[f"{name}[{i}]"] for i in AXES])
 
     start = data.isel(filter=0, time=0)
-    known = told(scenario)
-    adaptive = AdaptiveFactor(known.widest())
     dense = DenseLoose(
-        known,
-        [standard, standard, adaptive, GuardedIgg(adaptive)],  # as COMPARED; the model is linear
+        told(scenario),
+        correctors,
         attitude.dcm(*(float(start[f"nav.{angle}"]) for angle in ANGLES)),
         start["nav.velocity"].values,
         np.array([float(start[f"nav.{name}"]) for name in PLACE]),
@@ -102,6 +122,7 @@ def dense_run(scenario: Scenario, data: xr.Dataset, signals: dict[str, Array]) -
         np.column_stack([signals[f"gnss.{name}"] for name in PLACE]),
         vectors("gnss.velocity"),
     )
+    sigma = np.hstack((vectors("gnss.fix_position_sigma"), vectors("gnss.fix_velocity_sigma")))
     dt = np.diff(signals["imu.time"])
     assert dt == pytest.approx(scenario.communication_step)
     attitudes, velocities, positions = [], [], []
@@ -109,7 +130,7 @@ def dense_run(scenario: Scenario, data: xr.Dataset, signals: dict[str, Array]) -
     for row in np.flatnonzero(np.diff(signals["gnss.sample"], prepend=0)).tolist():
         sensed = slice(done + 1, row + 1)
         dense.advance(angle[sensed], gained[sensed], scenario.communication_step)
-        dense.correct(position[row], velocity[row])
+        dense.correct(position[row], velocity[row], sigma[row])
         attitudes.append(dense.C.copy())
         velocities.append(dense.v.copy())
         positions.append(dense.p[:, [1, 0, 2]])
@@ -146,7 +167,7 @@ def test_every_figure_is_that_of_a_dense_filter(seed: int, fmus: Fmus) -> None:
     scenario = load_scenario(SCENARIO, fmus, seed=seed, settings={"duration": 600.0}, compare=COMPARED)
     assert not scenario.filter["gate.enabled"], "the dense filter has no gate"
     data, signals = run(scenario, fmus)
-    found = dense_run(scenario, data, signals)
+    found = dense_run(scenario, data, signals, as_compared(scenario))
     at_fixes = data.sel(time=data["fix_time"].values, method="nearest", tolerance=1e-6)
     dense = figures(scenario, at_fixes, found)
     for i, label in enumerate(COMPARED):
@@ -155,3 +176,20 @@ def test_every_figure_is_that_of_a_dense_filter(seed: int, fmus: Fmus) -> None:
             assert getattr(verdict, figure) == pytest.approx(rmse[i], rel=0.01), (label, figure)
         apart = displacement(places(at_fixes.sel(filter=label), "nav"), found["position"][:, i])
         assert np.abs(apart).max() < 0.05, label
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_fixes_that_do_not_have_everything_are_used_as_a_dense_filter_does(part: str, fmus: Fmus) -> None:
+    """A component that is absent, and sigmas that change from fix to fix; within 1 % and 5 cm as above."""
+    settings = {"duration": 300.0, "evaluation.start": 100.0, "evaluation.stop": 300.0, **PARTS[part]}
+    filters = {"EKF": {"predictor": "linearised", "corrector": "standard", "gate.enabled": False}}
+    scenario = load_scenario("flight_nominal", fmus, seed=1, settings=settings, compare=filters)
+    data, signals = run(scenario, fmus)
+    found = dense_run(scenario, data, signals, [standard])
+    at_fixes = data.sel(time=data["fix_time"].values, method="nearest", tolerance=1e-6)
+    assert at_fixes.sizes["time"] == 300
+    verdict = judge(data.sel(filter="EKF"))
+    for figure, rmse in figures(scenario, at_fixes, found).items():
+        assert getattr(verdict, figure) == pytest.approx(rmse[0], rel=0.01), figure
+    apart = displacement(places(at_fixes.sel(filter="EKF"), "nav"), found["position"][:, 0])
+    assert np.abs(apart).max() < 0.05
