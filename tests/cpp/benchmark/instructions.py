@@ -3,8 +3,8 @@
     LOOP=build/native/tests/cpp/fmi/bench_loop
     python tests/cpp/benchmark/instructions.py $LOOP build/fmus/AlignmentFilter.fmu [OLDER.fmu]
 
-The program (filter_loop.cpp) gives the filter increments at 100 Hz, and a fix every second or every half. What
-is counted is how it sets inputs and does steps, nothing else; what initialisation costs falls out of the
+The program (filter_loop.cpp) gives the filter increments at 100 Hz, and a fix every second or every half.
+What is counted is how it sets inputs and does steps, nothing else; what initialisation costs falls out of the
 differences of three runs. An older FMU beside it tells by how much the cost has changed.
 """
 
