@@ -165,7 +165,7 @@ Matrix<Invariant<coloured>::kStates> Invariant<coloured>::carried_covariance(con
     Matrix<kStates> start = P;
     start.diagonal() += sixth;
     const Matrix<kGyro, kStates> pose = Phi.template topRows<kGyro>();
-    const Matrix<kGyro, kStates> driven = pose * start;
+    const Matrix<kGyro, kStates> driven = product(pose, start);
     const Vector<kSensors> decay = Phi.diagonal().template tail<kSensors>();
 
     Matrix<kGyro, kStates> half_way = 0.5 * pose;
@@ -174,7 +174,8 @@ Matrix<Invariant<coloured>::kStates> Invariant<coloured>::carried_covariance(con
     const Matrix<kGyro, kStates> arriving = half_way * (4.0 * sixth).asDiagonal();
 
     Matrix<kStates> end;
-    end.template topLeftCorner<kGyro, kGyro>() = driven * pose.transpose() + arriving * half_way.transpose();
+    end.template topLeftCorner<kGyro, kGyro>() =
+        product(driven, pose.transpose()) + product(arriving, half_way.transpose());
     end.template topRightCorner<kGyro, kSensors>() =
         driven.template rightCols<kSensors>() * decay.asDiagonal();
     end.template topRightCorner<kGyro, kSensors>() +=
@@ -274,6 +275,16 @@ Matrix<Invariant<coloured>::kStates> Invariant<coloured>::navigation_errors(cons
     J.template block<3, 3>(kVelocity, kVelocity) = -C_bn;
     J.template block<3, 3>(kPosition, kPosition) = -C_bn;
     return J;
+}
+
+template <bool coloured>
+Matrix<Invariant<coloured>::kStates> Invariant<coloured>::turned(const Eigen::Matrix3d& C_bn,
+                                                                 Matrix<kStates> P) {
+    turn(C_bn, P);
+    P.transposeInPlace();
+    turn(C_bn, P);
+    symmetrise(P);
+    return P;
 }
 
 template class Invariant<false>;

@@ -138,7 +138,11 @@ class Invariant {
     template <int Count>
     void propagate(State& x, Points<kStates, Count>& deviations, const Interval& interval) const {
         const Matrix<kStates> Phi = transition(x, interval);
-        deviations = (Phi * deviations).eval();
+        deviations.template topRows<kGyro>() = Phi.template topRows<kGyro>().lazyProduct(deviations).eval();
+        if constexpr (coloured) {  // of the states beyond the pose each drives itself
+            deviations.template bottomRows<kSensors>().array().colwise() *=
+                Phi.diagonal().template tail<kSensors>().array();
+        }
         x = moved(x, interval);
     }
 
@@ -187,9 +191,23 @@ class Invariant {
     // they are. Orthogonal.
     [[nodiscard]] static Matrix<kStates> navigation_errors(const State& x);
 
-  private:
-    // Into the level axes where the state is, and into those of a fix.
+    // J x, with the J of a state whose axes C_bn turns into level ones; J^T x with its transpose. J turns
+    // blocks of three alone, and has no need of general products.
+    template <class Rows>
+    static void turn(const Eigen::Matrix3d& C_bn, Rows& x) {
+        x.template middleRows<3>(kRotation) = C_bn.lazyProduct(x.template middleRows<3>(kRotation)).eval();
+        x.template middleRows<3>(kVelocity) = -C_bn.lazyProduct(x.template middleRows<3>(kVelocity)).eval();
+        x.template middleRows<3>(kPosition) = -C_bn.lazyProduct(x.template middleRows<3>(kPosition)).eval();
+    }
+
+    // Likewise J P J^T.
+    [[nodiscard]] static Matrix<kStates> turned(const Eigen::Matrix3d& C_bn, Matrix<kStates> P);
+
+    // Into the level axes where the state is.
     [[nodiscard]] static Eigen::Matrix3d body_to_navigation(const State& x);
+
+  private:
+    // Into those of a fix.
     [[nodiscard]] static Eigen::Matrix3d body_to_navigation(const State& x, const Fix& fix) {
         return fix.C_en * x.pose.attitude.toRotationMatrix();
     }

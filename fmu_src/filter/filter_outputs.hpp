@@ -42,11 +42,9 @@ Eigen::Matrix<double, 3, kHandedStates + 3> position_covariance(const Matrix<N>&
     return covariance;
 }
 
-// The navigation state and what is known of it.
-template <class Outputs, class Engine, class Parameters>
-void publish_estimate(Outputs& outputs, const Engine& engine, double time, const Parameters& p) {
-    using Where = typename Engine::Where;
-    const NavigationState& best = engine.best();
+// The navigation state, and how sure the heading is where the vehicle has turned to.
+template <class Outputs>
+void publish_state(Outputs& outputs, const NavigationState& best, double time) {
     const EulerAngles angles = euler_angles(best.q_bn.toRotationMatrix());
     auto& nav = outputs.nav;
     nav.time = time;
@@ -57,13 +55,17 @@ void publish_estimate(Outputs& outputs, const Engine& engine, double time, const
     nav.latitude = best.position.latitude;
     nav.longitude = best.position.longitude;
     nav.height = best.position.height;
+    outputs.heading_sigma = heading_sigma(outputs.covariance.template topLeftCorner<3, 3>(), best.q_bn);
+}
 
+// What is known of it besides, which time alone does not change.
+template <class Outputs, class Engine, class Parameters>
+void publish_knowledge(Outputs& outputs, const Engine& engine, const Parameters& p) {
+    using Where = typename Engine::Where;
     const auto& covariance = engine.covariance();  // by value or by reference, as the engine has it
     const Vector<Engine::kStates> sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     outputs.misalignment = engine.misalignment();
     outputs.misalignment_sigma = engine.misalignment_sigma();
-    outputs.heading_sigma = heading_sigma(
-        covariance.template block<3, 3>(Where::attitude.first, Where::attitude.first), best.q_bn);
     outputs.velocity_sigma = components(sigma, Where::velocity);
     outputs.gyro_bias = engine.gyro_bias();
     outputs.gyro_bias_sigma = components(sigma, Where::gyro, p.prior.gyro_bias_sigma);

@@ -54,9 +54,9 @@ class InertialFilter {
     void serialize(Archive& archive) {
         archive(parameters, inputs, outputs, imu_, gnss_, waiting_, history_, travelled_, status_,
                 nis_window_, recovery_, finder_, ledger_, opened_, clock_, forgetting_, last_fix_, under_way_,
-                was_sure_, told_long_interval_, told_samples_, told_fixes_, told_notices_, gnss_used_,
-                gnss_every_, gnss_heard_, leveller_, astray_, astray_at_, leaned_, aids_, standstill_,
-                far_place_, far_since_, placed_);
+                learned_, was_sure_, told_long_interval_, told_samples_, told_fixes_, told_notices_,
+                gnss_used_, gnss_every_, gnss_heard_, leveller_, astray_, astray_at_, leaned_, aids_,
+                standstill_, far_place_, far_since_, placed_);
         if constexpr (Archive::is_loading::value) {
             choose_model();
             configure_engine();
@@ -203,6 +203,7 @@ class InertialFilter {
     double far_since_ = 0.0;     // when they began to be there, by the master's clock [s]
     double placed_ = 0.0;        // when the first fix told where it is, likewise; infinite: none has [s]
     bool under_way_ = false;
+    bool learned_ = true;    // what is not told yet
     bool was_sure_ = false;  // of its attitude, since it set out or that was in doubt
     bool told_long_interval_ = false;
     Repetition<kFindings> told_samples_;

@@ -1,6 +1,7 @@
 // What inertial_filter.hpp tells: its estimate, and how far that can be believed.
 #pragma once
 
+#include <concepts>
 #include <type_traits>
 
 #include "contract/text.hpp"
@@ -15,12 +16,24 @@ namespace truenorth {
 // 3000 is beyond gate.threshold, of a receiver in a bad place one in twenty.
 inline constexpr int kContradictions = 5;
 
+// Between predictions and fixes what is known of an estimate stays as it is, unless its state is the
+// navigation state, which is predicted with every increment.
+template <class E>
+inline constexpr bool kStays = !std::same_as<decltype(E::estimator.state), NavigationState>;
+
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish() {
     if (!status_.faulted()) {
         std::visit(
-            [this](const auto& engine) { publish_estimate(outputs, engine, imu_.stamp(), parameters); },
+            [this]<class E>(const E& engine) {
+                if (learned_ || !kStays<E>) {
+                    publish_knowledge(outputs, engine, parameters);
+                    publish_errors_of_sensors(outputs.aid, engine.estimator.appended);
+                }
+                publish_state(outputs, engine.best(), imu_.stamp());
+            },
             engine_);
+        learned_ = false;
     }
     publish_health();
 }
@@ -38,9 +51,6 @@ void InertialFilter<Interface, Engines...>::publish_health() {
     gnss.used = outputs.used_fixes;
     gnss.rejected = outputs.rejected_fixes;
     gnss.silent_for = clock_ - gnss_used_;
-    const Appended& sensors =
-        std::visit([](const auto& engine) -> const Appended& { return engine.estimator.appended; }, engine_);
-    publish_errors_of_sensors(outputs.aid, sensors);
     aids_.each([this]<class Aid>(std::type_identity<Aid>, const AidMemory& memory) {
         outputs.clock_disagreements += memory.clock.disagreements();
         publish_health_of(Aid::health(outputs.aid), memory, imu_.time(), clock_);

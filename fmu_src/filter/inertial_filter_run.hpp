@@ -95,6 +95,7 @@ void InertialFilter<Interface, Engines...>::prepare(double start_time) {
     told_notices_ = {};
     configure_engine();
     under_way_ = false;
+    learned_ = true;
     told_long_interval_ = false;
     outputs = {};
     outputs.robust.feasible = true;
@@ -103,6 +104,7 @@ void InertialFilter<Interface, Engines...>::prepare(double start_time) {
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::set_out(const Start& start) {
+    learned_ = true;
     std::visit(
         [&](auto& engine) {
             engine.start(start);
@@ -194,17 +196,18 @@ void InertialFilter<Interface, Engines...>::advance(double time, double step) {
         return;
     }
     const bool sampled = take_sample(imu);
-    bool anything_new = sampled;
+    bool measured = false;
     if (!status_.faulted()) {
-        anything_new = take_fix() || anything_new;
-        anything_new = take_aids(sampled) || anything_new;
+        measured = take_fix();
+        measured = take_aids(sampled) || measured;
     }
+    learned_ = learned_ || measured;
     tell_what_is_missing();
     const double pending = std::visit([](const auto& engine) { return engine.pending(); }, engine_);
     if (!status_.faulted() && pending > parameters.filter.interval - kTimeTolerance) {
         predict();
     }
-    if (!anything_new) {
+    if (!sampled && !measured) {
         publish_health();
         return;
     }
@@ -302,6 +305,7 @@ bool InertialFilter<Interface, Engines...>::take_sample(const ImuPort& port) {
     const Prediction prediction = std::visit(
         [&](auto& engine) {
             if (was_blind) {
+                learned_ = true;
                 engine.forget(had_fixes);
                 if (!engine.is_coarse()) {
                     const Eigen::Vector3d& velocity = engine.mechanisation().state.velocity;
@@ -326,6 +330,7 @@ bool InertialFilter<Interface, Engines...>::take_sample(const ImuPort& port) {
                 if (engine.pending() > 0.0) {
                     outcome = std::max(outcome, engine.predict());
                 }
+                learned_ = true;
                 const Uncertainty more = left_out(engine.mechanisation().state.q_bn, imu_.doubtful_angle(),
                                                   imu_.doubtful_velocity(), imu_.increment().dt);
                 engine.add_uncertainty(more);
@@ -439,6 +444,7 @@ AntennaState InertialFilter<Interface, Engines...>::antenna() const {
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::predict() {
+    learned_ = true;
     report(std::visit(
         [](auto& engine) { return engine.pending() > 0.0 ? engine.predict() : Prediction::sound; }, engine_));
 }

@@ -195,8 +195,9 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
     // So long after a motion fixes still tell of it [s].
     static constexpr double kSettled = 10.0;
 
-    // What follows from the covariance.
-    void refresh();
+    // What follows from the covariance, where the body stands so.
+    void refresh(const Eigen::Matrix3d& C_bn);
+    void refresh() { refresh(M::body_to_navigation(estimator.state)); }
 
     // What follows from state and covariance when both are of now; returns what changed.
     Change follow();
@@ -358,7 +359,7 @@ void InvariantEngine<coloured>::know(const Covariance& covariance) {
 template <bool coloured>
 auto InvariantEngine<coloured>::in_states(const typename M::State& state, const Covariance& covariance)
     -> Covariance {
-    return transformed<Base::kStates>(M::navigation_errors(state).transpose(), covariance);
+    return M::turned(M::body_to_navigation(state).transpose(), covariance);
 }
 
 template <bool coloured>
@@ -368,12 +369,13 @@ auto InvariantEngine<coloured>::corrected(const Covariance& prior,
     if (!this->corrector.knows_sigmas()) {
         return this->corrector.correct(prior, innovation);
     }
-    const Covariance J = M::navigation_errors(estimator.state);  // orthogonal
+    const Eigen::Matrix3d C_bn = M::body_to_navigation(estimator.state);
+    const Eigen::Matrix3d C_nb = C_bn.transpose();
     auto turned = innovation;
-    turned.cross = J * innovation.cross;
-    auto correction = this->corrector.correct(transformed<Base::kStates>(J, prior), turned);
-    correction.deviation = (J.transpose() * correction.deviation).eval();
-    correction.covariance = in_states(correction.covariance);
+    M::turn(C_bn, turned.cross);
+    auto correction = this->corrector.correct(M::turned(C_bn, prior), turned);
+    M::turn(C_nb, correction.deviation);
+    correction.covariance = M::turned(C_nb, correction.covariance);
     return correction;
 }
 
@@ -554,10 +556,9 @@ void InvariantEngine<coloured>::take_moments() {
 }
 
 template <bool coloured>
-void InvariantEngine<coloured>::refresh() {
-    const Covariance J = M::navigation_errors(estimator.state);
-    to_navigation_ = J.template topLeftCorner<3, 3>();
-    covariance_ = transformed<Base::kStates>(J, estimator.covariance);
+void InvariantEngine<coloured>::refresh(const Eigen::Matrix3d& C_bn) {
+    to_navigation_ = C_bn;
+    covariance_ = M::turned(C_bn, estimator.covariance);
     if constexpr (coloured) {
         covariance_.template middleRows<6>(M::kGyro) += covariance_.template middleRows<6>(M::kGyroMarkov);
         covariance_.template middleCols<6>(M::kGyro) += covariance_.template middleCols<6>(M::kGyroMarkov);
@@ -567,9 +568,9 @@ void InvariantEngine<coloured>::refresh() {
 
 template <bool coloured>
 Change InvariantEngine<coloured>::follow() {
-    refresh();
     const NavigationState before = mechanisation_.state;
     mechanisation_.state = estimator.state.navigation();
+    refresh(mechanisation_.state.q_bn.toRotationMatrix());
     Change change = Change::between(before, mechanisation_.state);
     change.finite = change.rotation.allFinite() && change.velocity.allFinite() &&
                     change.displacement.allFinite() && covariance_.allFinite();

@@ -69,7 +69,7 @@ void Mechanisation::advance(const ImuIncrement& increment) {
 }
 
 earth::Position point_position(const NavigationState& state, const Eigen::Vector3d& lever_arm) {
-    return earth::displaced(state.position, state.q_bn * lever_arm);
+    return lever_arm.isZero(0.0) ? state.position : earth::displaced(state.position, state.q_bn * lever_arm);
 }
 
 Eigen::Vector3d point_velocity(const NavigationState& state, const Eigen::Vector3d& omega_eb_b,
