@@ -310,6 +310,7 @@ void InertialFilter<Interface, Engines...>::go_astray(E& engine) {
     astray_at_ = clock_;
     const double gained = astray_ * astray_ - before * before;
     engine.add_uncertainty({.position = Eigen::Vector3d(gained, gained, 0.0).asDiagonal()});
+    learned_ = true;
 }
 
 // Of a difference in body axes, what is vertical and no state of the model [m/s]; not a number if one axis

@@ -1,7 +1,6 @@
 // What inertial_filter.hpp tells: its estimate, and how far that can be believed.
 #pragma once
 
-#include <concepts>
 #include <type_traits>
 
 #include "contract/text.hpp"
@@ -16,17 +15,12 @@ namespace truenorth {
 // 3000 is beyond gate.threshold, of a receiver in a bad place one in twenty.
 inline constexpr int kContradictions = 5;
 
-// Between predictions and fixes what is known of an estimate stays as it is, unless its state is the
-// navigation state, which is predicted with every increment.
-template <class E>
-inline constexpr bool kStays = !std::same_as<decltype(E::estimator.state), NavigationState>;
-
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish() {
     if (!status_.faulted()) {
         std::visit(
-            [this]<class E>(const E& engine) {
-                if (learned_ || !kStays<E>) {
+            [this](const auto& engine) {
+                if (learned_ || !engine.waits()) {
                     publish_knowledge(outputs, engine, parameters);
                     publish_errors_of_sensors(outputs.aid, engine.estimator.appended);
                 }

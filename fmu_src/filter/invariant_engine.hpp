@@ -56,6 +56,9 @@ class InvariantEngine : public Engine<Invariant<coloured>> {
 
     Prediction mechanise(const ImuIncrement& increment);
 
+    // What is known of the state stays as it is until it is predicted or corrected.
+    [[nodiscard]] static constexpr bool waits() { return true; }
+
     // Time since the state was last carried forward [s].
     [[nodiscard]] double pending() const { return ahead_.duration; }
 

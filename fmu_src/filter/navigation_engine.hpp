@@ -36,6 +36,9 @@ class NavigationEngine : public Engine<M> {
     // Carries the mechanisation over an increment; without feedback the estimate too.
     Prediction mechanise(const ImuIncrement& increment);
 
+    // Whether what is known of the estimate stays as it is until it is predicted or corrected.
+    [[nodiscard]] bool waits() const { return feedback; }
+
     // Time since the estimate was last carried forward [s].
     [[nodiscard]] double pending() const { return average_.duration(); }
 

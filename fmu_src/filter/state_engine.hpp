@@ -20,6 +20,7 @@ class StateEngine : public Engine<M> {
     Prediction mechanise(const ImuIncrement& increment);
 
     // Nothing waits: every increment has been predicted.
+    [[nodiscard]] static constexpr bool waits() { return false; }
     [[nodiscard]] static double pending() { return 0.0; }
     [[nodiscard]] static Prediction predict() { return Prediction::sound; }
 
