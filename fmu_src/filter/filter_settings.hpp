@@ -223,6 +223,25 @@ void scale_h_infinity(Engine& engine, const Parameters& p, double elapsed) {
     }
 }
 
+// Calls tell(name, value) for each noise that the error model does not have, of those that are 0 unless they
+// are asked for.
+template <class Model, class Process, class Tell>
+void each_without_effect(const Process& process, const Tell& tell) {
+    using Noise = decltype(Model::noise);
+    if constexpr (requires { process.accelerometer_markov_sigma; }) {
+        if constexpr (!requires(Noise noise) { noise.accelerometer.sigma; }) {
+            tell("process.gyro_markov_sigma", process.gyro_markov_sigma);
+            tell("process.accelerometer_markov_sigma", process.accelerometer_markov_sigma);
+        }
+    }
+    if constexpr (requires { process.gyro_bias_random_walk; }) {
+        if constexpr (!requires(Noise noise) { noise.gyro_random_walk; }) {
+            tell("process.gyro_bias_random_walk", process.gyro_bias_random_walk);
+            tell("process.accelerometer_bias_random_walk", process.accelerometer_bias_random_walk);
+        }
+    }
+}
+
 template <class Engine, class Parameters>
 void configure(Engine& engine, const Parameters& p) {
     auto& model = engine.estimator.model;

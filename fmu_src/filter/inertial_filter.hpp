@@ -90,6 +90,7 @@ class InertialFilter {
     void check() const;
     void choose_model();      // engine_ becomes that of error_model
     void configure_engine();  // its settings, as they follow from the parameters
+    void tell_what_has_no_effect() const;
     [[nodiscard]] ImuPort imu_port(double time) const;
     bool watch(const ImuPort& port);  // and the other inputs, while there is no estimate
     void start_over();

@@ -79,6 +79,18 @@ void InertialFilter<Interface, Engines...>::configure_engine() {
 }
 
 template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::tell_what_has_no_effect() const {
+    const auto tell = [this](const char* name, double value) {
+        if (value > 0.0 && log_->listens()) {
+            log_->event(text(name, " = ", value, " has no effect: the error model has no such noise"));
+        }
+    };
+    std::visit([&]<class E>(
+                   const E&) { each_without_effect<decltype(E::estimator.model)>(parameters.process, tell); },
+               engine_);
+}
+
+template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::prepare(double start_time) {
     choose_model();
     check();
@@ -94,6 +106,7 @@ void InertialFilter<Interface, Engines...>::prepare(double start_time) {
     told_fixes_ = {};
     told_notices_ = {};
     configure_engine();
+    tell_what_has_no_effect();
     under_way_ = false;
     learned_ = true;
     told_long_interval_ = false;

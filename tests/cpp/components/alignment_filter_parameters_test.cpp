@@ -12,6 +12,7 @@ namespace truenorth {
 namespace {
 
 using alignment_filter::Corrector;
+using alignment_filter::ErrorModel;
 using alignment_filter::Parameters;
 using alignment_filter::RobustScaling;
 using alignment_filter::Status;
@@ -123,6 +124,20 @@ TEST(AlignmentFilterRetune, TakesATunableParameterOverBetweenSteps) {
     EXPECT_GT(fed.filter.outputs.innovation_sigma.head<2>().minCoeff(), 10.0);
     fed.filter.parameters.measurement.velocity_sigma = -1.0;
     EXPECT_THROW(fed.filter.retune(), InvalidParameter);
+}
+
+TEST(AlignmentFilterParameters, WithoutEffectInTheModelAreTold) {
+    for (const auto model : {ErrorModel::large_azimuth, ErrorModel::invariant}) {
+        Fed<AlignmentFilter> fed;
+        Parameters& p = fed.filter.parameters;
+        p.error_model = model;
+        p.process.gyro_markov_sigma = 1e-7;
+        p.process.accelerometer_markov_sigma = 1e-3;
+        fed.start(Turntable{}, 0.0);
+        const int told = model == ErrorModel::invariant ? 0 : 1;
+        EXPECT_EQ(fed.log.with("process.gyro_markov_sigma = 1e-07 has no effect"), told);
+        EXPECT_EQ(fed.log.with("process.accelerometer_markov_sigma = 0.001 has no effect"), told);
+    }
 }
 
 }  // namespace
