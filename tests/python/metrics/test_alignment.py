@@ -96,6 +96,9 @@ def test_it_reads_in_arcminutes() -> None:
     text = str(judge(recorded(np.full(601, 20 * ARCMIN))))
     assert text.startswith("Converged: heading RMSE 20.00 arcmin")
     assert "Cramer-Rao bound: 5.00 arcmin (RMS over many runs; one run may lie below)" in text
+    assert "Filter's own sigma: 10.00 arcmin" in text
+    without = judge(recorded(np.full(601, 20 * ARCMIN)).drop_vars("heading_sigma"))
+    assert without.headline()["Filter's own sigma"] == "none"
 
 
 @pytest.mark.parametrize(

@@ -29,8 +29,13 @@ def test_every_error_is_that_of_its_components(fmus: Fmus) -> None:
     made = run.assign(
         {f"{name}_error": (("time", "axis3"), np.tile(error, (rows, 1))) for name, error in constant.items()}
     ).assign(heading_error=("time", np.full(rows, -0.01)))
+    for name, sigma in {"velocity": (0.1, 0.2, 0.2), "position": (2.0, 3.0, 6.0)}.items():
+        made[f"{name}_sigma"] = ("time", "axis3"), np.tile(sigma, (rows, 1))
     figures = kept(made, 1.0)
     expected = {"heading": 0.01, "tilt": 5e-3, "velocity": 0.7, "horizontal": 5.0, "vertical": 7.0}
     assert {name: float(figures[f"{name}_rmse"]) for name in expected} == pytest.approx(expected)
     assert figures["heading_error"] == pytest.approx(np.full(21, -0.01))
     assert figures["vertical_error"] == pytest.approx(np.full(21, 7.0))
+    assert figures["velocity_sigma"] == pytest.approx(np.full(21, 0.3))
+    assert figures["position_sigma"] == pytest.approx(np.full(21, 7.0))
+    assert figures["velocity_deviation"] == pytest.approx(np.full(21, 3.0))  # up: 0.6 of 0.2

@@ -83,6 +83,7 @@ def course(value: float, other: float, begin: float, end: float) -> np.ndarray:
 def test_a_filter_has_recovered_when_error_and_sigma_are_as_they_would_be() -> None:
     assert recovered_after(30.0) == 0
     assert recovered_after(30.0, heading_deviation=course(1.0, 3.1, 20, 47)) == 17
+    assert recovered_after(0.0, heading_deviation=course(1.0, 3.1, 0, 1)) == 1  # wrong at the first instant
     assert recovered_after(30.5, velocity_deviation=course(3.0, 3.1, 20, 47)) == 16.5
     assert recovered_after(30.0, velocity_sigma=course(0.3, 0.31, 20, 60)) == 30
     assert recovered_after(30.0, heading_deviation=course(1.0, np.nan, 31, 40)) == 10

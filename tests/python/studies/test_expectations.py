@@ -84,6 +84,21 @@ def test_a_band_is_made_of_what_stands_for_it() -> None:
 
 
 @pytest.mark.parametrize(
+    ("why", "sentences"),
+    [
+        ("", []),
+        ("As printed", ["As printed"]),
+        (
+            {"nees": "By chance", "largest_difference": "To be one"},
+            ["NEES / states: By chance", "largest difference [SI]: To be one"],
+        ),
+    ],
+)
+def test_a_reason_is_of_all_figures_or_of_each(why: object, sentences: list[str]) -> None:
+    assert Expectations.model_validate({"figures": {}, "why": why}).reasons() == sentences
+
+
+@pytest.mark.parametrize(
     ("figures", "words"),
     [
         ({"a": {"headings": 1.0}}, "there is no figure 'headings'; did you mean 'heading'"),
