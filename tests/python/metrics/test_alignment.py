@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.stats import chi2
 from statuses import BAD, FLAGS, ITEMS
 
 from sim_scenarios.metrics import judge
@@ -50,6 +51,8 @@ def test_verdict() -> None:
     json = verdict.to_json()
     assert json["heading_rmse_arcmin"] == pytest.approx(20)
     assert json["bound_arcmin"] == pytest.approx(5)
+    assert json["nis_consistent"] is True
+    assert json["nis_interval"] == pytest.approx(np.array(chi2.interval(0.95, 602)) / 602)
 
 
 def test_a_large_error_or_a_late_divergence_is_no_convergence() -> None:
@@ -75,6 +78,7 @@ def test_a_run_without_a_fix_or_a_bound_has_a_verdict() -> None:
     assert (verdict.bound, verdict.used_fixes) == (None, 0)
     json = verdict.to_json()
     assert json["bound_arcmin"] is json["nis_per_channel"] is json["nis_interval"] is None
+    assert json["nis_consistent"] is None
     assert verdict.headline()["Mean NIS / channels"] == "no fix was used"
 
 

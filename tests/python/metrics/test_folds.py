@@ -179,8 +179,8 @@ def test_where_no_run_differs_each_counts_as_one_instant(wrong: int) -> None:
 
 def test_a_share_is_that_of_the_time_of_all_runs() -> None:
     assert time_share([1.0, 0.0, 0.0], [10.0, 90.0, 0.0]).value == pytest.approx(0.01)
-    assert np.isnan(time_share([0.0], [0.0]).value)
-    assert np.isnan(time_share([np.nan, np.nan], [10.0, 10.0]).value)  # there is no sigma of it
+    for nothing in (time_share([0.0], [0.0]), time_share([np.nan, np.nan], [10.0, 10.0])):  # nor a sigma
+        assert np.isnan([nothing.value, nothing.lower, nothing.upper]).all()
     one = time_share([1.0], [10.0])
     assert one.value == pytest.approx(0.1)
     assert np.isnan([one.lower, one.upper]).all()

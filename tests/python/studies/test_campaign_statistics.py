@@ -126,6 +126,19 @@ def test_a_summary_counts_what_became_of_the_runs(results: xr.Dataset) -> None:
     assert a.nees.upper == pytest.approx(stats.chi2.ppf(0.975, 4) / 4)
 
 
+def test_the_table_has_the_figures_of_each_filter_in_a_line(results: xr.Dataset) -> None:
+    """Worked out by hand: the interval is that of the squares 1, 1, 1 and 49 with Student's t of 3.1824."""
+    results["heading_rmse"][:] *= ARCMIN
+    results["heading_bound_rms"][:] *= ARCMIN
+    results["nis_sum"][0, 1] = [2.0, 1.0, 3.0, np.nan]
+    results["nis_channels_sum"][0, 1] = [4.0, 3.0, 5.0, np.nan]
+    (case,) = summarise(results)
+    _, a, b = table.figures(case)
+    assert a == ["a", "3.61", "0.83 to 15.66", "7.21", "1", "1 / 4", "20.0", "1 / 3", "1.00", "4.00 *"]
+    against_a = "3.00 (3.00 to 3.00)"
+    assert b == ["b", "3.00", "3.00 to 3.00", "6.00", against_a, "1 / 4", "never", "-", "0.500", "1.00"]
+
+
 @pytest.mark.parametrize("success", [0, 1])
 def test_no_failure_and_nothing_else_have_an_interval_too(results: xr.Dataset, success: int) -> None:
     results["success"][0] = success

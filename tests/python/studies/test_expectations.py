@@ -49,6 +49,7 @@ def test_rows_are_root_mean_squares_over_runs() -> None:
     _, first, second, third = table(found, digits=4)
     assert first[:5] == ["any", "a", "heading RMSE [']", "4 to 6", "4.967"]
     assert first[6:] == ["3 to 7", "ok"]
+    assert table(found)[1][4] == "4.97"
     assert second[-1] == "**missed**"
     assert third[:5] == ["any", "a / b", "heading RMSE", "0.9 to 1.1", "1"]
     assert third[6:] == ["", "ok"]
