@@ -11,6 +11,7 @@ import xarray as xr
 from made_up import run_with
 
 from sim_scenarios.errors import InputError
+from sim_scenarios.fmus import NAVIGATION_FILTER
 from sim_scenarios.metrics import figures, judge
 from sim_scenarios.metrics.figures import FIGURES, Figure, shipped
 from sim_scenarios.metrics.folds import LAST
@@ -123,6 +124,8 @@ def test_settling_is_of_the_root_mean_square_over_runs() -> None:
     assert folded("settling", runs) == 2.0
     assert FIGURES["settling"].of_each(runs, (0.0, 3.0)).tolist() == [3.0, 2.0]
     assert folded("settling", runs_with([2.0, 2.0])) == np.inf
+    runs[1].attrs["evaluation.heading_limit"] = 0.1  # the limit is that of the first
+    assert folded("settling", runs) == 2.0
     assert np.isnan(of("convergence_time", runs_with([2.0, 2.0])[0]))
 
 
@@ -131,6 +134,13 @@ def test_the_median_run_settles_and_a_failed_one_is_counted() -> None:
     assert folded("median_settling", runs) == 2.0  # of 2 s, 1 s and never
     assert folded("failures", runs, (1.0, 2.0)) == 1
     assert folded("success", runs, (1.0, 2.0)) == pytest.approx(2 / 3)
+
+
+def test_navigation_succeeds_within_its_own_limit_whatever_the_heading_does() -> None:
+    for position, good in (([3.0, 4.0, 99.0], 1), ([3.1, 4.0, 0.0], 0)):
+        run = run_with([0.0, 1.0], position=position, heading=9.0, limit=5.01)
+        run.attrs["filter_fmu"] = NAVIGATION_FILTER
+        assert of("success", run) == good, position
 
 
 def test_the_nis_of_runs_is_that_of_all_their_fixes() -> None:
