@@ -228,17 +228,16 @@ void scale_h_infinity(Engine& engine, const Parameters& p, double elapsed) {
 template <class Model, class Process, class Tell>
 void each_without_effect(const Process& process, const Tell& tell) {
     using Noise = decltype(Model::noise);
-    if constexpr (requires { process.accelerometer_markov_sigma; }) {
-        if constexpr (!requires(Noise noise) { noise.accelerometer.sigma; }) {
-            tell("process.gyro_markov_sigma", process.gyro_markov_sigma);
-            tell("process.accelerometer_markov_sigma", process.accelerometer_markov_sigma);
-        }
+    if constexpr (
+        requires { process.accelerometer_markov_sigma; } &&
+        !requires(Noise noise) { noise.accelerometer.sigma; }) {
+        tell("process.gyro_markov_sigma", process.gyro_markov_sigma);
+        tell("process.accelerometer_markov_sigma", process.accelerometer_markov_sigma);
     }
-    if constexpr (requires { process.gyro_bias_random_walk; }) {
-        if constexpr (!requires(Noise noise) { noise.gyro_random_walk; }) {
-            tell("process.gyro_bias_random_walk", process.gyro_bias_random_walk);
-            tell("process.accelerometer_bias_random_walk", process.accelerometer_bias_random_walk);
-        }
+    if constexpr (
+        requires { process.gyro_bias_random_walk; } && !requires(Noise noise) { noise.gyro_random_walk; }) {
+        tell("process.gyro_bias_random_walk", process.gyro_bias_random_walk);
+        tell("process.accelerometer_bias_random_walk", process.accelerometer_bias_random_walk);
     }
 }
 
