@@ -1,6 +1,6 @@
 # TrueNorth: every command of the project. `make help` lists them.
 .DEFAULT_GOAL := help
-.PHONY: help run test docs fmus fmus-all native bench bands soak reproduce lint format test-cpp test-python sanitize fuzz clean
+.PHONY: help run test docs fmus fmus-all native bench bands soak reproduce lint format test-cpp test-python sanitize fuzz guided clean
 
 PYTHON ?= python3
 VENV   := .venv
@@ -114,6 +114,14 @@ fuzz: $(READY)  ## Random calls and damaged states under the sanitizers (minutes
 	$(call configure,sanitized,$(SANITIZED))
 	@cmake --build --preset sanitized --target fuzz --parallel $(JOBS)
 	@ctest --preset sanitized --label-regex fuzz --verbose --parallel $(JOBS)
+
+# CLANG=clang++-14 where it is not called clang++.
+CLANG ?= clang++
+guided: SECONDS ?= 60
+guided: $(READY)  ## The same, guided by libFuzzer to what they have not reached yet (SECONDS each; clang)
+	$(call configure,guided,-DCMAKE_CXX_COMPILER=$(CLANG) -DFUZZ_SECONDS=$(SECONDS) $(SEED:%=-DFUZZ_SEED=%))
+	@cmake --build --preset guided --parallel $(JOBS)
+	@ctest --preset guided --parallel $(JOBS)
 
 bench: native  ## Time per filter step, per FMI call, and of a whole run
 	@build/native/tests/cpp/bench_filter

@@ -1,12 +1,15 @@
-// Random arguments, the awkward ones more often than they deserve. Equal seeds make equal arguments.
+// Arguments by chance, the awkward ones more often than they deserve: equal seeds make equal arguments, and
+// so do equal bytes, which a guided fuzzer turns over until they lead somewhere new.
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <random>
-#include <vector>
+#include <span>
 
 namespace truenorth::fuzz {
 
@@ -14,13 +17,20 @@ class Chance {
   public:
     explicit Chance(std::uint64_t seed) : engine_(seed) {}
 
+    // Of bytes, which must live as long; zero once they are spent.
+    explicit Chance(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+
+    [[nodiscard]] bool spent() const { return bytes_ && bytes_->empty(); }
+
     // A whole number below `end`.
-    std::size_t below(std::size_t end) { return static_cast<std::size_t>(engine_() % end); }
+    std::size_t below(std::size_t end) {
+        return static_cast<std::size_t>(draw((std::bit_width(end - 1) + 7U) / 8U) % end);
+    }
 
     bool one_in(std::size_t count) { return below(count) == 0; }
 
     double uniform(double least, double most) {
-        return least + (most - least) * static_cast<double>(engine_() >> 11U) * 0x1p-53;
+        return least + (most - least) * static_cast<double>(draw(sizeof(std::uint64_t)) >> 11U) * 0x1p-53;
     }
 
     double real() {
@@ -49,7 +59,7 @@ class Chance {
 
     // A reference of the `count` that there are, now and then one that there is not.
     std::uint32_t reference(std::size_t count) {
-        return static_cast<std::uint32_t>(one_in(50) ? engine_() : below(count + 2));
+        return static_cast<std::uint32_t>(one_in(50) ? draw(sizeof(std::uint32_t)) : below(count + 2));
     }
 
     // The pointer, now and then NULL.
@@ -59,7 +69,21 @@ class Chance {
     }
 
   private:
+    // A number; of bytes, of so many.
+    std::uint64_t draw(std::size_t size) {
+        if (!bytes_) {
+            return engine_();
+        }
+        std::uint64_t number = 0;
+        for (; size > 0 && !bytes_->empty(); --size) {
+            number = number << 8U | bytes_->front();
+            bytes_ = bytes_->subspan(1);
+        }
+        return number;
+    }
+
     std::mt19937_64 engine_;
+    std::optional<std::span<const std::uint8_t>> bytes_;
 };
 
 }  // namespace truenorth::fuzz

@@ -1,11 +1,9 @@
-// Every function of FMI 2 in any order, with any arguments, on one FMU, whose resources have a recording:
-//
-//     fuzz_fmi2 BINARY MODEL_DESCRIPTION SEED CALLS [THREADS]
-//
-// Found is what a sanitizer finds, a call that hangs, and a refusal without a sentence.
+// Every function of FMI 2 in any order, with any arguments. Found is what a sanitizer finds, a call that
+// hangs, and a refusal without a sentence.
 #include <array>
 #include <cstring>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,13 +11,11 @@
 #include "chance.hpp"
 #include "fmi/binary.hpp"
 #include "fmi2FunctionTypes.h"
-#include "sessions.hpp"
-#include "watch.hpp"
+#include "session.hpp"
 
 namespace {
 
 using truenorth::fuzz::Chance;
-using truenorth::fuzz::Watch;
 using truenorth::test::Binary;
 
 thread_local long sentences = 0;  // that the FMU has logged as errors
@@ -33,21 +29,26 @@ void log(fmi2ComponentEnvironment /*environment*/, fmi2String name, fmi2Status s
     sentences += status == fmi2Error ? 1 : 0;
 }
 
-class Session {
+// A master in C may ask for a kind that there is not.
+template <class Value>
+using StatusOfAnyKind = fmi2Status(fmi2Component, unsigned kind, Value* value);
+static_assert(sizeof(fmi2StatusKind) == sizeof(unsigned));
+
+class Calls final : public truenorth::fuzz::Session {
   public:
-    Session(const Binary& binary, std::string resources, std::uint64_t seed)
-        : binary_(binary), resources_(std::move(resources)), chance_(seed) {
+    Calls(const Binary& binary, std::string resources, Chance chance)
+        : Session(chance), binary_(binary), resources_(std::move(resources)) {
         callbacks_.logger = log;
         add_functions();
         begin();
     }
-    Session(const Session&) = delete;
-    Session(Session&&) = delete;
-    Session& operator=(const Session&) = delete;
-    Session& operator=(Session&&) = delete;
-    ~Session() { binary_.function<fmi2FreeInstanceTYPE>("fmi2FreeInstance")(component_); }
+    Calls(const Calls&) = delete;
+    Calls(Calls&&) = delete;
+    Calls& operator=(const Calls&) = delete;
+    Calls& operator=(Calls&&) = delete;
+    ~Calls() override { binary_.function<fmi2FreeInstanceTYPE>("fmi2FreeInstance")(component_); }
 
-    void call_any() {
+    void go_on() override {
         if (chance_.one_in(500)) {
             begin();
         }
@@ -58,8 +59,6 @@ class Session {
             watch_.fail(name + " was refused without a sentence");
         }
     }
-
-    [[nodiscard]] const Watch& watch() const { return watch_; }
 
   private:
     template <class Function, class... Arguments>
@@ -83,6 +82,8 @@ class Session {
         states_.fill(nullptr);
         muted_ = false;
     }
+
+    unsigned any_kind() { return static_cast<unsigned>(chance_.below(5)); }
 
     void draw_references() {
         count_ = chance_.below(references_.size());
@@ -109,8 +110,6 @@ class Session {
 
     const Binary& binary_;
     std::string resources_;
-    Chance chance_;
-    Watch watch_;
     fmi2CallbackFunctions callbacks_{};
     fmi2Component component_ = nullptr;
     bool muted_ = false;  // errors may have been switched off
@@ -124,7 +123,7 @@ class Session {
     std::vector<std::pair<std::string, std::function<bool()>>> functions_;
 };
 
-void Session::add_functions() {
+void Calls::add_functions() {
     const auto add = [this](const char* name, auto body) { functions_.emplace_back(name, body); };
     add_access<fmi2GetRealTYPE>("fmi2GetReal", reals_.data());
     add_access<fmi2SetRealTYPE>("fmi2SetReal", std::as_const(reals_).data());
@@ -218,24 +217,21 @@ void Session::add_functions() {
             "fmi2SetContinuousStates", chance_.perhaps(std::as_const(reals_).data()), chance_.below(3));
     });
     add("fmi2GetRealStatus", [this] {
-        return call<fmi2GetRealStatusTYPE>("fmi2GetRealStatus", static_cast<fmi2StatusKind>(chance_.below(5)),
-                                           chance_.perhaps(reals_.data()));
+        return call<StatusOfAnyKind<fmi2Real>>("fmi2GetRealStatus", any_kind(),
+                                               chance_.perhaps(reals_.data()));
     });
     for (const char* const name : {"fmi2GetIntegerStatus", "fmi2GetBooleanStatus"}) {
         add(name, [this, name] {
-            return call<fmi2GetIntegerStatusTYPE>(name, static_cast<fmi2StatusKind>(chance_.below(5)),
-                                                  chance_.perhaps(integers_.data()));
+            return call<StatusOfAnyKind<fmi2Integer>>(name, any_kind(), chance_.perhaps(integers_.data()));
         });
     }
     add("fmi2GetStatus", [this] {
         fmi2Status status{};
-        return call<fmi2GetStatusTYPE>("fmi2GetStatus", static_cast<fmi2StatusKind>(chance_.below(5)),
-                                       chance_.perhaps(&status));
+        return call<StatusOfAnyKind<fmi2Status>>("fmi2GetStatus", any_kind(), chance_.perhaps(&status));
     });
     add("fmi2GetStringStatus", [this] {
-        return call<fmi2GetStringStatusTYPE>("fmi2GetStringStatus",
-                                             static_cast<fmi2StatusKind>(chance_.below(5)),
-                                             chance_.perhaps(strings_.data()));
+        return call<StatusOfAnyKind<fmi2String>>("fmi2GetStringStatus", any_kind(),
+                                                 chance_.perhaps(strings_.data()));
     });
     add("fmi2SetRealInputDerivatives", [this] {
         return call<fmi2SetRealInputDerivativesTYPE>("fmi2SetRealInputDerivatives", references_.data(), 1U,
@@ -254,4 +250,8 @@ void Session::add_functions() {
 
 }  // namespace
 
-int main(int argc, char** argv) { return truenorth::fuzz::run_sessions<Session>(argc, argv); }
+std::unique_ptr<truenorth::fuzz::Session> truenorth::fuzz::begin_session(const Binary& binary,
+                                                                         const std::string& resources,
+                                                                         Chance chance) {
+    return std::make_unique<Calls>(binary, resources, chance);
+}

@@ -1,10 +1,8 @@
-// Every function of FMI 3 in any order, with any arguments, on one FMU, whose resources have a recording:
-//
-//     fuzz_fmi3 BINARY MODEL_DESCRIPTION SEED CALLS [THREADS]
-//
-// Found is what a sanitizer finds, a call that hangs, and a refusal without a sentence.
+// Every function of FMI 3 in any order, with any arguments. Found is what a sanitizer finds, a call that
+// hangs, and a refusal without a sentence.
 #include <array>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,13 +10,11 @@
 #include "chance.hpp"
 #include "fmi/binary.hpp"
 #include "fmi3FunctionTypes.h"
-#include "sessions.hpp"
-#include "watch.hpp"
+#include "session.hpp"
 
 namespace {
 
 using truenorth::fuzz::Chance;
-using truenorth::fuzz::Watch;
 using truenorth::test::Binary;
 
 thread_local long sentences = 0;  // that the FMU has logged as errors
@@ -30,10 +26,10 @@ void log(fmi3InstanceEnvironment /*environment*/, fmi3Status status, fmi3String 
     sentences += status == fmi3Error ? 1 : 0;
 }
 
-class Session {
+class Calls final : public truenorth::fuzz::Session {
   public:
-    Session(const Binary& binary, std::string resources, std::uint64_t seed)
-        : binary_(binary), resources_(std::move(resources)), chance_(seed) {
+    Calls(const Binary& binary, std::string resources, Chance chance)
+        : Session(chance), binary_(binary), resources_(std::move(resources)) {
         add_variables();
         add_life();
         add_states();
@@ -41,13 +37,13 @@ class Session {
         add_absent();
         begin();
     }
-    Session(const Session&) = delete;
-    Session(Session&&) = delete;
-    Session& operator=(const Session&) = delete;
-    Session& operator=(Session&&) = delete;
-    ~Session() { binary_.function<fmi3FreeInstanceTYPE>("fmi3FreeInstance")(instance_); }
+    Calls(const Calls&) = delete;
+    Calls(Calls&&) = delete;
+    Calls& operator=(const Calls&) = delete;
+    Calls& operator=(Calls&&) = delete;
+    ~Calls() override { binary_.function<fmi3FreeInstanceTYPE>("fmi3FreeInstance")(instance_); }
 
-    void call_any() {
+    void go_on() override {
         if (chance_.one_in(500)) {
             begin();
         }
@@ -58,8 +54,6 @@ class Session {
             watch_.fail(name + " was refused without a sentence");
         }
     }
-
-    [[nodiscard]] const Watch& watch() const { return watch_; }
 
   private:
     template <class Function, class... Arguments>
@@ -124,8 +118,6 @@ class Session {
 
     const Binary& binary_;
     std::string resources_;
-    Chance chance_;
-    Watch watch_;
     fmi3Instance instance_ = nullptr;
     bool muted_ = false;  // errors may be switched off
     double time_ = 0.0;   // that the instance said it has reached
@@ -140,7 +132,7 @@ class Session {
     std::vector<std::pair<std::string, std::function<bool()>>> functions_;
 };
 
-void Session::add_variables() {
+void Calls::add_variables() {
     add_access<fmi3GetFloat64TYPE>("fmi3GetFloat64", reals_.data());
     add_access<fmi3SetFloat64TYPE>("fmi3SetFloat64", std::as_const(reals_).data());
     add_access<fmi3GetInt32TYPE>("fmi3GetInt32", integers_.data());
@@ -153,7 +145,7 @@ void Session::add_variables() {
     add_access<fmi3SetStringTYPE>("fmi3SetString", std::as_const(strings_).data());
 }
 
-void Session::add_life() {
+void Calls::add_life() {
     for (int weight = 0; weight < 4; ++weight) {
         add("fmi3EnterInitializationMode", [this] {
             const double start = chance_.one_in(3) ? chance_.real() : 0.0;
@@ -192,7 +184,7 @@ void Session::add_life() {
     });
 }
 
-void Session::add_states() {
+void Calls::add_states() {
     const auto any = [this]() -> fmi3FMUState& { return states_[chance_.below(states_.size())]; };
     add("fmi3GetFMUState",
         [this, any] { return call<fmi3GetFMUStateTYPE>("fmi3GetFMUState", chance_.perhaps(&any())); });
@@ -219,7 +211,7 @@ void Session::add_states() {
     });
 }
 
-void Session::add_events() {
+void Calls::add_events() {
     for (const char* const name : {"fmi3EnterEventMode", "fmi3EnterContinuousTimeMode"}) {
         add(name, [this, name] { return call<fmi3EnterEventModeTYPE>(name); });
     }
@@ -254,7 +246,7 @@ void Session::add_events() {
     }
 }
 
-void Session::add_absent() {
+void Calls::add_absent() {
     add("fmi3GetNumberOfVariableDependencies", [this] {
         std::size_t count = 0;
         return call<fmi3GetNumberOfVariableDependenciesTYPE>("fmi3GetNumberOfVariableDependencies", 0U,
@@ -293,4 +285,8 @@ void Session::add_absent() {
 
 }  // namespace
 
-int main(int argc, char** argv) { return truenorth::fuzz::run_sessions<Session>(argc, argv); }
+std::unique_ptr<truenorth::fuzz::Session> truenorth::fuzz::begin_session(const Binary& binary,
+                                                                         const std::string& resources,
+                                                                         Chance chance) {
+    return std::make_unique<Calls>(binary, resources, chance);
+}

@@ -1,25 +1,22 @@
-// Damaged states with right checksums, handed to one FMU (FMI 2), whose resources have a recording:
-//
-//     fuzz_states BINARY MODEL_DESCRIPTION SEED STATES
-//
-// What is accepted is restored, stepped, read and stored again. Found is what a sanitizer finds, and a call
-// that hangs.
+// Damaged states with right checksums, handed to one FMU (FMI 2). What is accepted is restored, stepped, read
+// and stored again. Found is what a sanitizer finds, and a call that hangs.
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "chance.hpp"
-#include "components/recording_file.hpp"
 #include "fmi/binary.hpp"
 #include "fmi2FunctionTypes.h"
-#include "watch.hpp"
+#include "session.hpp"
 
 namespace {
 
 using truenorth::fuzz::Chance;
-using truenorth::fuzz::Watch;
 using truenorth::test::Binary;
 using Blob = std::vector<fmi2Byte>;
 
@@ -162,42 +159,53 @@ void damage(Blob& blob, std::size_t first, Chance& chance) {
     }
 }
 
+// A hundred damaged states of an FMU at work, then one of another.
+class DamagedStates final : public truenorth::fuzz::Session {
+  public:
+    DamagedStates(const Binary& binary, std::string resources, Chance chance)
+        : Session(chance), binary_(binary), resources_(std::move(resources)) {}
+
+    void go_on() override {
+        if (left_ == 0) {
+            begin();
+        }
+        Blob damaged = whole_;
+        for (std::size_t times = 1 + chance_.below(3); times > 0 && damaged.size() > first_ + 512; --times) {
+            damage(damaged, first_, chance_);
+        }
+        if (damaged.size() >= content_place) {
+            seal(damaged);
+        }
+        watch_.run("damaged state", [&] { return subject_->take(damaged); });
+        if (--left_ == 0 && !subject_->take(whole_)) {
+            watch_.fail("a sound state was refused");
+        }
+    }
+
+  private:
+    void begin() {
+        subject_.emplace(binary_, resources_);
+        subject_->start(chance_);
+        whole_ = subject_->blob();
+        const std::string& owner = binary_.token();
+        const auto found = std::search(whole_.begin(), whole_.end(), owner.begin(), owner.end());
+        const auto owner_ends = static_cast<std::size_t>(found - whole_.begin()) + owner.size();
+        first_ = chance_.one_in(10) ? content_place : owner_ends;
+        left_ = 100;
+    }
+
+    const Binary& binary_;
+    std::string resources_;
+    std::optional<Subject> subject_;
+    Blob whole_;
+    std::size_t first_ = 0;  // place of what is damaged
+    int left_ = 0;
+};
+
 }  // namespace
 
-int main(int argc, char** argv) {
-    if (argc != 5) {
-        std::fprintf(stderr, "usage: %s BINARY MODEL_DESCRIPTION SEED STATES\n", argv[0]);
-        return 2;
-    }
-    const Binary binary(argv[1], argv[2]);
-    const long states = std::stol(argv[4]);
-    Chance chance(std::stoull(argv[3]));
-    Watch watch;
-    const truenorth::ResourceFolder resources;
-    resources.put(truenorth::RecordingFile{}.bytes());
-    while (watch.calls() < states) {
-        Subject subject(binary, resources.path().string());
-        subject.start(chance);
-        const Blob whole = subject.blob();
-        const auto owner_ends =
-            std::search(whole.begin(), whole.end(), binary.token().begin(), binary.token().end()) -
-            whole.begin() + static_cast<std::ptrdiff_t>(binary.token().size());
-        const std::size_t first = chance.one_in(10) ? content_place : static_cast<std::size_t>(owner_ends);
-        for (int k = 0; k < 100; ++k) {
-            Blob damaged = whole;
-            for (std::size_t times = 1 + chance.below(3); times > 0 && damaged.size() > first + 512;
-                 --times) {
-                damage(damaged, first, chance);
-            }
-            if (damaged.size() >= content_place) {
-                seal(damaged);
-            }
-            watch.run("damaged state", [&] { return subject.take(damaged); });
-        }
-        if (!subject.take(whole)) {
-            watch.fail("a sound state was refused");
-        }
-    }
-    std::printf("%s: seed %s\n", argv[1], argv[3]);
-    watch.print();
+std::unique_ptr<truenorth::fuzz::Session> truenorth::fuzz::begin_session(const Binary& binary,
+                                                                         const std::string& resources,
+                                                                         Chance chance) {
+    return std::make_unique<DamagedStates>(binary, resources, chance);
 }
