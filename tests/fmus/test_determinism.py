@@ -92,6 +92,6 @@ def test_building_twice_gives_the_same_bytes(tmp_path: Path) -> None:
             check=True, capture_output=True,
         )  # fmt: skip
         subprocess.run(["cmake", "--build", build, "--parallel", "2", "--target", "fmus"], check=True)
-        archives.append({path.name: path.read_bytes() for path in fmus.glob("*.fmu")})
-    assert archives[0]
+        archives.append({path.relative_to(fmus): path.read_bytes() for path in fmus.rglob("*.fmu")})
+    assert {Path("TruthPlant.fmu"), Path("fmi3/TruthPlant.fmu")} <= archives[0].keys()
     assert archives[0] == archives[1]
