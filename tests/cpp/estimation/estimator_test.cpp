@@ -49,17 +49,23 @@ TEST(Estimator, AppliesACorrectionToItsState) {
     EXPECT_EQ(estimator.covariance, correction.covariance);
 }
 
-// The constants learn from the prior that the corrector used, which is what it blamed.
-TEST(Estimator, TeachesTheConstantsByThePriorThatWasUsed) {
-    RandomCovariance random(7);
-    auto estimator = example();
-    estimator.appended.prior_sigma.setConstant(0.1);
-    estimator.appended.start();
+// Constants that a measurement has related to the states.
+Appended related_constants(RandomCovariance& random) {
+    Appended constants;
+    constants.prior_sigma.setConstant(0.1);
+    constants.start();
     const Innovation<4, 2> both{.residual = Vector<2>::Zero(),
                                 .spread = Matrix<2>::Identity(),
                                 .noise = Matrix<2>::Identity(),
                                 .cross = 0.1 * random.normal<4, 2>()};
-    estimator.appended = estimator.appended.after(both, Matrix<6, 2>(1e-3 * random.normal<6, 2>()));
+    return constants.after(both, Matrix<6, 2>(1e-3 * random.normal<6, 2>()));
+}
+
+// The constants learn from the prior that the corrector used, which is what it blamed.
+TEST(Estimator, TeachesTheConstantsByThePriorThatWasUsed) {
+    RandomCovariance random(7);
+    auto estimator = example();
+    estimator.appended = related_constants(random);
     Appended expected = estimator.appended;
     const Matrix<4> blamed = estimator.covariance / 0.25;
     auto innovation = estimator.innovate({Eigen::Vector2d(1.0, 2.0)});
@@ -84,13 +90,7 @@ TEST(Estimator, SeesThePriorAnewAfterACorrection) {
     Estimator<HindsightModel> estimator;
     estimator.state = random.normal<4, 1>();
     estimator.covariance = random.covariance<4>(0.1, 1.0);
-    estimator.appended.prior_sigma.setConstant(0.1);
-    estimator.appended.start();
-    const Innovation<4, 2> both{.residual = Vector<2>::Zero(),
-                                .spread = Matrix<2>::Identity(),
-                                .noise = Matrix<2>::Identity(),
-                                .cross = 0.1 * random.normal<4, 2>()};
-    estimator.appended = estimator.appended.after(both, Matrix<6, 2>(1e-3 * random.normal<6, 2>()));
+    estimator.appended = related_constants(random);
     const auto innovation = estimator.innovate({Eigen::Vector2d(1.0, 2.0)});
     const auto correction = Standard().correct(estimator.covariance, innovation);
     const Matrix<4> J = HindsightModel::hindsight(estimator.covariance, correction.deviation).matrix();
