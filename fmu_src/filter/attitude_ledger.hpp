@@ -61,8 +61,9 @@ class AttitudeLedger {
   private:
     // Variance that gyros have added to each axis [rad2].
     [[nodiscard]] static double drift(double elapsed, const Gyros& gyros) {
-        return std::pow(gyros.bias * elapsed, 2) + gyros.random_walk * gyros.random_walk * elapsed +
-               gyros.bias_random_walk * gyros.bias_random_walk * std::pow(elapsed, 3) / 3.0;
+        const auto squared = [](double x) { return x * x; };
+        return squared(gyros.bias * elapsed) + squared(gyros.random_walk) * elapsed +
+               squared(gyros.bias_random_walk * elapsed) * elapsed / 3.0;
     }
 
     Eigen::Vector3d variance_ = Eigen::Vector3d::Ones();

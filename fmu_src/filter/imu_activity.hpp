@@ -49,24 +49,27 @@ class ImuActivity {
         const Eigen::Array<bool, 6, 1> repeats =
             step.abs() <= limit || (rates * dt - last_ * last_dt_).abs() <= limit * dt;
         const int together = *std::ranges::min_element(run_);
+        // What stands still tells nothing of how it moves.
+        Rates moves;
         for (int axis = 0; axis < 6; ++axis) {
             if (!repeats(axis) || run_[axis] < kShortestRun) {
                 restless_(axis) += share_of_step * ((repeats(axis) ? 0.0 : 1.0) - restless_(axis));
             }
-            if (repeats(axis) && squared_step_(axis) > 0.0) {
-                run_[axis] = std::min(run_[axis] + 1, kMostRun);
-                continue;  // what stands still tells nothing of how it moves
+            const bool stands = repeats(axis) && squared_step_(axis) > 0.0;
+            moves(axis) = stands ? 0.0 : 1.0;
+            if (!stands && run_[axis] > 0) {
+                const int learned = kShortestRun + kLearns * std::max(longest_run_[axis], together);
+                longest_run_[axis] = std::max(longest_run_[axis], std::min(run_[axis], learned));
             }
-            const int learned = kShortestRun + kLearns * std::max(longest_run_[axis], together);
-            longest_run_[axis] = std::max(longest_run_[axis], std::min(run_[axis], learned));
-            run_[axis] = 0;
-            squared_step_(axis) += share_of_step * (step(axis) * step(axis) - squared_step_(axis));
-            const double off = rates(axis) - mean_(axis);
-            mean_(axis) += share * off;
-            variance_(axis) = (1.0 - share) * (variance_(axis) + share * off * off);
-            strayed_(axis) = (1.0 - dt / kMemory) * strayed_(axis) + off * dt;
-            squared_stray_(axis) += share * (strayed_(axis) * strayed_(axis) - squared_stray_(axis));
+            run_[axis] = stands ? std::min(run_[axis] + 1, kMostRun) : 0;
         }
+        const Rates gain = share * moves;
+        const Rates off = moves * (rates - mean_);
+        squared_step_ += share_of_step * moves * (step.square() - squared_step_);
+        mean_ += share * off;
+        variance_ = (1.0 - gain) * (variance_ + gain * off * off);
+        strayed_ = (1.0 - dt / kMemory * moves) * strayed_ + off * dt;
+        squared_stray_ += gain * (strayed_.square() - squared_stray_);
         last_ = rates;
         last_dt_ = dt;
         samples_ = std::min(samples_ + 1, kStepSamples);

@@ -173,9 +173,12 @@ class InertialFilter {
     void doubt_attitude(E& engine);
     template <class E>
     void go_astray(E& engine);
+    void publish_if_possible();
+    template <class E>
+    void publish(const E& engine, const NavigationState& best);
     void publish_health();
     [[nodiscard]] AttitudeLedger::Gyros gyros() const;
-    [[nodiscard]] Contradiction contradiction() const;
+    [[nodiscard]] Contradiction contradiction(const AttitudeLedger::Gyros& gyros) const;
     void publish_status();
 
     Log* log_;

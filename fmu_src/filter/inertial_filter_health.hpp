@@ -1,6 +1,7 @@
 // What inertial_filter.hpp tells: its estimate, and how far that can be believed.
 #pragma once
 
+#include <cmath>
 #include <type_traits>
 
 #include "contract/text.hpp"
@@ -15,18 +16,41 @@ namespace truenorth {
 // 3000 is beyond gate.threshold, of a receiver in a bad place one in twenty.
 inline constexpr int kContradictions = 5;
 
+// Finite, and where and as fast as a fix may be, with something to spare.
+inline bool possible(const NavigationState& state) {
+    return state.finite() && std::abs(state.position.latitude) <= earth::kHighestLatitude &&
+           state.velocity.norm() < 2.0 * GnssInput::kLargestSpeed &&
+           state.position.height > 2.0 * GnssInput::kLowest &&
+           state.position.height < 2.0 * GnssInput::kHighest;
+}
+
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish() {
+    std::visit([this](const auto& engine) { publish(engine, engine.best()); }, engine_);
+}
+
+template <class Interface, class... Engines>
+void InertialFilter<Interface, Engines...>::publish_if_possible() {
+    std::visit(
+        [this](const auto& engine) {
+            const NavigationState& best = engine.best();
+            if (!status_.faulted() && !possible(best)) {
+                fault("the navigation state is not finite, or nowhere near the Earth");
+            }
+            publish(engine, best);
+        },
+        engine_);
+}
+
+template <class Interface, class... Engines>
+template <class E>
+void InertialFilter<Interface, Engines...>::publish(const E& engine, const NavigationState& best) {
     if (!status_.faulted()) {
-        std::visit(
-            [this](const auto& engine) {
-                if (learned_ || !engine.waits()) {
-                    publish_knowledge(outputs, engine, parameters);
-                    publish_errors_of_sensors(outputs.aid, engine.estimator.appended);
-                }
-                publish_state(outputs, engine.best(), imu_.stamp());
-            },
-            engine_);
+        if (learned_ || !engine.waits()) {
+            publish_knowledge(outputs, engine, parameters);
+            publish_errors_of_sensors(outputs.aid, engine.estimator.appended);
+        }
+        publish_state(outputs, best, imu_.stamp());
         learned_ = false;
     }
     publish_health();
@@ -70,7 +94,7 @@ AttitudeLedger::Gyros InertialFilter<Interface, Engines...>::gyros() const {
 
 // What speaks against the covariance.
 template <class Interface, class... Engines>
-Contradiction InertialFilter<Interface, Engines...>::contradiction() const {
+Contradiction InertialFilter<Interface, Engines...>::contradiction(const AttitudeLedger::Gyros& gyros) const {
     const int in_a_row =
         std::visit([](const auto& engine) { return engine.corrector.contradictions(); }, engine_);
     const double limit = parameters.consistency.limit;
@@ -93,7 +117,7 @@ Contradiction InertialFilter<Interface, Engines...>::contradiction() const {
     if (contradicted) {
         return Contradiction::aids;
     }
-    const bool explained = ledger_.deviate(imu_.time() - opened_, gyros()) <= limit;
+    const bool explained = ledger_.deviate(imu_.time() - opened_, gyros) <= limit;
     return explained ? Contradiction::none : Contradiction::start;
 }
 
@@ -101,7 +125,8 @@ template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish_status() {
     const bool coarse = std::visit([](const auto& engine) { return engine.is_coarse(); }, engine_);
     const double delay = parameters.coasting.delay;
-    const Contradiction against = contradiction();
+    const AttitudeLedger::Gyros believed = gyros();
+    const Contradiction against = contradiction(believed);
     const auto state =
         status_.judge(clock_,
                       {.sensing = imu_.any(),
@@ -110,7 +135,7 @@ void InertialFilter<Interface, Engines...>::publish_status() {
                        .coarse = coarse,
                        .recovering = recovery_.under_way(clock_),
                        .consistent = against == Contradiction::none,
-                       .measured = ledger_.measured(outputs.heading_sigma, imu_.time() - opened_, gyros()),
+                       .measured = ledger_.measured(outputs.heading_sigma, imu_.time() - opened_, believed),
                        .heading_sigma = outputs.heading_sigma},
                       {.heading_sigma = parameters.convergence.heading_sigma,
                        .hold_time = parameters.convergence.hold_time,

@@ -46,14 +46,6 @@ inline Uncertainty left_out(const Eigen::Quaterniond& q_bn, const Eigen::Vector3
     return {.attitude = attitude, .velocity = variance, .position = 0.25 * dt * dt * variance};
 }
 
-// Finite, and where and as fast as a fix may be, with something to spare.
-inline bool possible(const NavigationState& state) {
-    return state.finite() && std::abs(state.position.latitude) <= earth::kHighestLatitude &&
-           state.velocity.norm() < 2.0 * GnssInput::kLargestSpeed &&
-           state.position.height > 2.0 * GnssInput::kLowest &&
-           state.position.height < 2.0 * GnssInput::kHighest;
-}
-
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::check() const {
     Interface::validate(parameters);
@@ -224,11 +216,7 @@ void InertialFilter<Interface, Engines...>::advance(double time, double step) {
         publish_health();
         return;
     }
-    if (!status_.faulted() &&
-        !std::visit([](const auto& engine) { return possible(engine.best()); }, engine_)) {
-        fault("the navigation state is not finite, or nowhere near the Earth");
-    }
-    publish();
+    publish_if_possible();
 }
 
 // What the IMU put out by a step that begins at `time` [s].

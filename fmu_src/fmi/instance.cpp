@@ -96,10 +96,7 @@ void Instance::adopt(std::unique_ptr<Component> component) {
 
 // ------------------------------------------------------------------ order of calls
 
-void Instance::require(Phases allowed) const {
-    if (std::ranges::find(allowed, progress_.phase) != allowed.end()) {
-        return;
-    }
+void Instance::refuse_phase(Phases allowed) const {
     std::string list;
     for (const Phase phase : allowed) {
         list += (list.empty() ? "'" : ", '") + std::string(name_of(phase)) + "'";
@@ -279,14 +276,11 @@ void Instance::require_values(std::span<const unsigned> references, Reach reach,
     }
 }
 
-void Instance::require_settable(const Variable& variable) const {
-    if (variable.causality == Causality::output) {
-        throw Refusal(std::string(variable.name) + " is an output and cannot be set");
-    }
-    if (variable.causality == Causality::parameter && running()) {
-        throw Refusal(std::string(variable.name) +
-                      " is a fixed parameter and cannot change after initialisation");
-    }
+void Instance::refuse_to_set(const Variable& variable) {
+    throw Refusal(std::string(variable.name) +
+                  (variable.causality == Causality::output
+                       ? " is an output and cannot be set"
+                       : " is a fixed parameter and cannot change after initialisation"));
 }
 
 // ------------------------------------------------------------------ states

@@ -9,6 +9,7 @@
 // matter.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -96,8 +97,19 @@ class Instance {
   private:
     using Phases = std::initializer_list<Phase>;
 
-    void require(Phases allowed) const;
-    void require_settable(const Variable& variable) const;
+    void require(Phases allowed) const {
+        if (std::ranges::find(allowed, progress_.phase) == allowed.end()) {
+            refuse_phase(allowed);
+        }
+    }
+    [[noreturn]] void refuse_phase(Phases allowed) const;
+    void require_settable(const Variable& variable) const {
+        const bool fixed = variable.causality == Causality::parameter && running();
+        if (variable.causality == Causality::output || fixed) {
+            refuse_to_set(variable);
+        }
+    }
+    [[noreturn]] static void refuse_to_set(const Variable& variable);
     // Throws Refusal unless all references are of this type and have so many values.
     void require_values(std::span<const unsigned> references, Reach reach, Type type,
                         std::size_t count) const;
@@ -196,8 +208,11 @@ template <class T, class External>
 void Instance::set(std::span<const unsigned> references, Reach reach, std::span<const External> values) {
     require({Phase::instantiated, Phase::initialising, Phase::stepping, Phase::event});
     require_values(references, reach, type_of<T, External>, values.size());
+    bool tunes = false;
     for (const unsigned reference : references) {
-        require_settable(cells_[reference].variable);
+        const Variable& variable = cells_[reference].variable;
+        require_settable(variable);
+        tunes = tunes || variable.causality == Causality::tunable;
     }
     const auto store = [&](std::span<const External> left) {
         for (const unsigned reference : references) {
@@ -207,7 +222,7 @@ void Instance::set(std::span<const unsigned> references, Reach reach, std::span<
             left = left.subspan(count);
         }
     };
-    if (running() && any_of(references, Causality::tunable)) {
+    if (running() && tunes) {
         const auto bytes_of = [&](unsigned reference) {
             const Cell& cell = cells_[reference];
             return std::span(static_cast<std::byte*>(cell.address), extent(cell, reach) * sizeof(T));

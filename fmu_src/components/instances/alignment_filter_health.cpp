@@ -4,8 +4,9 @@
 namespace truenorth {
 
 template void AlignmentFilterBase::publish();
+template void AlignmentFilterBase::publish_if_possible();
 template void AlignmentFilterBase::publish_health();
-template Contradiction AlignmentFilterBase::contradiction() const;
+template Contradiction AlignmentFilterBase::contradiction(const AttitudeLedger::Gyros& gyros) const;
 template AttitudeLedger::Gyros AlignmentFilterBase::gyros() const;
 template void AlignmentFilterBase::publish_status();
 
