@@ -225,8 +225,18 @@ class Scalar:
 class Fragment(_Strict):
     """Variables and enumerations that several components share."""
 
+    settings: list[str] = []
+    """Groups of parameters whose structs, with the enumerations, are there for all components."""
     enumeration: dict[str, Enumeration] = {}
     variable: list[Variable] = Field(min_length=1)
+
+    def of(self, *causalities: str) -> list[Variable]:
+        """Variables of these causalities, in order of declaration."""
+        return [variable for variable in self.variable if variable.causality in causalities]
+
+    def in_settings(self) -> list[Variable]:
+        """The parameters of the groups in `settings`."""
+        return [v for v in self.of("parameter", "tunable") if len(v.path) == 2 and v.path[0] in self.settings]
 
 
 class Declaration(Fragment):
@@ -235,15 +245,23 @@ class Declaration(Fragment):
     name: str
     description: str = Field(min_length=1)
     default_experiment: Experiment
+    shared: dict[str, Fragment] = {}
+    """Files that have settings, by the names of their headers, without what the component overrides."""
 
     @property
     def snake_name(self) -> str:
         """`AlignmentFilter` -> `alignment_filter`: C++ namespace and file name."""
         return re.sub(r"(?<!^)(?=[A-Z])", "_", self.name).lower()
 
-    def of(self, *causalities: str) -> list[Variable]:
-        """Variables of these causalities, in order of declaration."""
-        return [variable for variable in self.variable if variable.causality in causalities]
+    @property
+    def own_enumerations(self) -> dict[str, Enumeration]:
+        """Those that do not come from the settings."""
+        return {name: e for name, e in self.enumeration.items() if name not in self.shared_enumerations}
+
+    @property
+    def shared_enumerations(self) -> list[str]:
+        """Those that the settings have."""
+        return [name for part in self.shared.values() for name in part.enumeration]
 
     @property
     def scalars(self) -> list[Scalar]:

@@ -1,10 +1,11 @@
 """Write what follows from a component's declaration: C++, modelDescription.xml and the documentation page.
 
     generate.py code <Name>.toml <folder>           variables.hpp, variable_table.cpp
+    generate.py settings shared/<name>.toml <folder>    settings/<name>.hpp: what all components share of it
     generate.py description <Name>.toml <folder>    fmi2/, fmi3/ (modelDescription.xml, terminals and icons,
                                                     build description), documentation/index.html, guid.cpp
 
-Everything goes to <folder>/<Name>/.
+Everything else goes to <folder>/<Name>/.
 """
 
 from __future__ import annotations
@@ -18,13 +19,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import jinja2
-from declaration import Declaration, DeclarationError, Variable
+from declaration import Declaration, DeclarationError, Fragment, Variable
 from fmi2 import Fmi2
 from fmi3 import Fmi3
 from markupsafe import Markup
-from reading import read
+from reading import read, read_settings, settings_header
 from sources import closure
-from structs import Cpp, nest
+from structs import Cpp, nest, parameters
 from terminals import terminals
 
 HERE = Path(__file__).parent
@@ -50,10 +51,10 @@ def product_of(version: str) -> Product:
     return Product(version, "BSD-3-Clause", (ROOT / "LICENSE").read_text(encoding="utf-8"))
 
 
-def render(template: str, declaration: Declaration, **context: object) -> str:
-    """Text of a template for a declaration."""
+def render(template: str, declaration: Fragment, **context: object) -> str:
+    """Text of a template for the declaration of a component, or of settings."""
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(HERE / "templates"),
+        loader=jinja2.FileSystemLoader([HERE / "templates", HERE / "documentation"]),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -67,9 +68,16 @@ def code(declaration: Declaration) -> dict[str, str]:
     """C++ files: the structs a component is made of, and the table through which FMI reaches them."""
     cpp = Cpp(declaration)
     return {
-        "variables.hpp": render("variables.hpp", declaration, cpp=cpp, nest=nest),
+        "variables.hpp": render(
+            "variables.hpp", declaration, cpp=cpp, nest=nest, parameters=parameters(declaration)
+        ),
         "variable_table.cpp": render("variable_table.cpp", declaration, cpp=cpp),
     }
+
+
+def settings(fragment: Fragment, name: str) -> str:
+    """The header of settings: enumerations, and a struct for each group."""
+    return render("settings.hpp", fragment, cpp=Cpp(fragment), name=name, groups=nest(fragment.in_settings()))
 
 
 def description(declaration: Declaration, product: Product, sources: list[Path]) -> dict[str, str]:
@@ -107,9 +115,20 @@ def page(declaration: Declaration, product: Product) -> str:
             "outputs": port_names(declaration.of("output")),
         },
         icon=written(f"{declaration.name}.svg"),
-        theory=written(f"{declaration.name}.html"),
+        theory=theory(declaration),
         run=written(f"{declaration.name}.run.html"),
     )
+
+
+def theory(declaration: Declaration) -> Markup:
+    """Equations, combinations and limits, in which `choices(<enumeration>)` are all that can be chosen."""
+
+    def choices(name: str) -> Markup:
+        return Markup(", ").join(
+            Markup("<code>{}</code>").format(i.name) for i in declaration.enumeration[name].items
+        )
+
+    return Markup(render(f"{declaration.name}.html", declaration, choices=choices))
 
 
 def written(name: str) -> Markup:
@@ -163,12 +182,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("what", choices=["code", "description"])
+    parser.add_argument("what", choices=["code", "settings", "description"])
     parser.add_argument("declaration", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--version", default="0", help="version of the product")
     arguments = parser.parse_args()
     try:
+        if arguments.what == "settings":
+            text = settings(read_settings(arguments.declaration), arguments.declaration.name)
+            write(arguments.folder / settings_header(arguments.declaration.name), text)
+            return 0
         declaration = read(arguments.declaration)
     except DeclarationError as error:
         print(error, file=sys.stderr)

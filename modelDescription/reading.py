@@ -36,6 +36,9 @@ def read(path: Path) -> Declaration:
         *(_fragment(path, name, "include") for name in whole),
         *(_outputs(_fragment(path, name, "outputs_of")) for name in outputs),
     ]
+    shared = {name: _settings(name, part) for name, part in zip(included, parts, strict=True)}
+    for key in {"settings", "shared"} & content.keys():
+        raise DeclarationError(f"{path.name}: {key}: only an included file may have settings")
     _override(path.name, parts, overrides)
 
     own = _validated(Declaration, path.name, content)
@@ -48,12 +51,47 @@ def read(path: Path) -> Declaration:
         update={
             "enumeration": {name: e for _, part in origins for name, e in part.enumeration.items()},
             "variable": [variable for _, part in origins for variable in part.variable],
+            "shared": {settings_header(name): part for name, part in shared.items() if part.settings},
         }
     )
     files = {variable.name: name for name, part in origins for variable in part.variable}
-    for subject, problem in _problems(declaration):
+    for subject, problem in (*_problems(declaration), *_strangers(shared, origins)):
         raise DeclarationError(f"{files.get(subject, path.name)}: {problem}")
     return declaration
+
+
+def read_settings(path: Path) -> Fragment:
+    """Read a file that has settings; its header does not depend on the components that include it."""
+    return _settings(path.name, _table(path, path.name))
+
+
+def settings_header(name: str) -> str:
+    """`shared/correction.toml` -> `settings/correction.hpp`."""
+    return f"settings/{Path(name).stem}.hpp"
+
+
+def _settings(file: str, content: Table) -> Fragment:
+    fragment: Fragment = _validated(Fragment, file, content)
+    for group in fragment.settings:
+        variables = [v for v in fragment.in_settings() if v.path[0] == group]
+        if not variables:
+            raise DeclarationError(f"{file}: settings: no parameter of the file is in the group '{group}'")
+        for v in variables:
+            if v.type not in (*PLAIN_TYPES, *fragment.enumeration):
+                raise DeclarationError(f"{file}: variable '{v.name}': type: '{v.type}' must be of this file")
+    return fragment
+
+
+def _strangers(shared: dict[str, Fragment], origins: list[tuple[str, Fragment]]) -> Iterator[tuple[str, str]]:
+    """Parameters of a group in settings that another file declares."""
+    home = {group: name for name, part in shared.items() for group in part.settings}
+    for name, part in origins:
+        for variable in part.of("parameter", "tunable"):
+            if home.get(group := variable.path[0], name) != name:
+                yield (
+                    variable.name,
+                    f"variable '{variable.name}': the group '{group}' is in the settings of {home[group]}",
+                )
 
 
 def _table(path: Path, name: str) -> Table:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from declaration import Declaration, Value, Variable
+from declaration import Declaration, Fragment, Value, Variable
 
 
 @dataclass(frozen=True)
@@ -14,6 +14,8 @@ class Member:
     name: str
     variable: Variable | None = None
     members: list[Member] = field(default_factory=list)
+    shared: bool = False
+    """A struct of the settings, in which the variables of `members` start from other values than there."""
 
     @property
     def type_name(self) -> str:
@@ -24,6 +26,22 @@ class Member:
 def camel(name: str) -> str:
     """`lever_arm` -> `LeverArm`."""
     return "".join(word.capitalize() for word in name.split("_"))
+
+
+def parameters(declaration: Declaration) -> list[Member]:
+    """Members of the component's parameters; groups of the settings are structs that exist."""
+    settings = {v.name: v for part in declaration.shared.values() for v in part.in_settings()}
+    members = nest(declaration.of("parameter", "tunable"))
+    groups = {v.path[0] for v in settings.values()}
+
+    def starts_otherwise(member: Member) -> bool:
+        variable = member.variable
+        return variable is not None and variable.start != settings[variable.name].start
+
+    return [
+        Member(m.name, members=[*filter(starts_otherwise, m.members)], shared=True) if m.name in groups else m
+        for m in members
+    ]
 
 
 def nest(variables: list[Variable]) -> list[Member]:
@@ -42,9 +60,9 @@ def nest(variables: list[Variable]) -> list[Member]:
 
 
 class Cpp:
-    """C++ spellings for one declaration."""
+    """C++ spellings for the variables of a component, or of settings."""
 
-    def __init__(self, declaration: Declaration) -> None:
+    def __init__(self, declaration: Fragment) -> None:
         self._declaration = declaration
 
     def scalar_type(self, variable: Variable) -> str:

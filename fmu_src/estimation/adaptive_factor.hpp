@@ -20,20 +20,22 @@
 
 #include "estimation/gaussian.hpp"
 #include "estimation/standard.hpp"
+#include "settings/correction.hpp"
 
 namespace truenorth {
 
+// It fires, in the form
+//
+//   unit_free  when sum u_i^2 > threshold x channels, with the standardised innovation u, whose mean square
+//              is 1 in a consistent filter;
+//   printed    by eq. 18, tr(v v^T) > tr(S), a statistic against its own mean: in two clean epochs of five;
+//              it adds squared metres to squared metres per second, so that the unit decides.
 template <int N>
-class AdaptiveFactor {
+class AdaptiveFactor : public settings::Adaptive {
   public:
-    enum class Form {
-        unit_free,  // sum u_i^2 > threshold x channels, with the standardised innovation u
-        printed,  // eq. 18, tr(v v^T) > tr(S), a statistic against its own mean: fires in two clean epochs of
-                  // five; adds squared metres to squared metres per second, so that the unit decides
-    };
+    using Form = settings::AdaptiveForm;
+    using settings::Adaptive::operator=;
 
-    Form form = Form::unit_free;
-    double threshold = 2.1;  // unit_free only; a mean of u^2, 1 in a consistent filter
     Vector<N> widest = Vector<N>::Constant(std::numeric_limits<double>::infinity());
 
     template <int M>

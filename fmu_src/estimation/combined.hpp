@@ -36,6 +36,7 @@
 #include "estimation/gaussian.hpp"
 #include "estimation/innovation_gate.hpp"
 #include "estimation/standard.hpp"
+#include "settings/correction.hpp"
 
 namespace truenorth {
 
@@ -49,11 +50,10 @@ enum class Cause : std::uint8_t {
 };
 
 template <int M>
-class Combined {
+class Combined : public settings::Combined {
   public:
-    int patience = 3;
-    double memory = 40.0;   // measurements
-    double limit = 10.0;    // of the sigma of the noise
+    using settings::Combined::operator=;
+
     int positions = M / 2;  // channels that come first; the others are velocities, of these if as many
     double interval = 0.0;  // since the last measurement that was used, for the next one [s]
     bool may_blame = true;  // the prediction, at the next one

@@ -21,22 +21,34 @@ namespace truenorth {
 template <int N, int M>
 class Corrector {
   public:
-    enum class Method { standard, h_infinity, igg, adaptive_factor, variational_bayes, combined };
+    using Method = settings::Corrector;
 
     Method method = Method::standard;
+
+    // Guards against lock-out, too: a prediction that has gone astray makes it refuse every good measurement,
+    // for ever. After `gate.patience` of them in a row it is time to blame the prediction; 0: never.
     InnovationGate gate;
 
     bool gate_stands_open = false;  // for the next measurement, whatever its innovation
     bool way_back = false;          // under way: `combined` is the standard one behind the gate
 
-    // Guard against lock-out: a prediction that has gone astray makes the gate refuse every good measurement,
-    // for ever. After `patience` of them in a row it is time to blame the prediction; 0: never.
-    int patience = 20;
     HInfinity<N> h_infinity;
     Igg<N> igg;
     AdaptiveFactor<N> adaptive_factor;
     VariationalBayes<M> variational_bayes;
     Combined<M> combined;  // judges by the gate's threshold itself; without the gate, it is the standard one
+
+    // Takes the settings of all of them, from the groups of parameters; keeps what they have learned.
+    template <class Parameters>
+    void configure(const Parameters& p) {
+        method = p.corrector;
+        gate = p.gate;
+        igg = p.igg;
+        igg.guard = p.adaptive;
+        adaptive_factor = p.adaptive;
+        variational_bayes = p.variational_bayes;
+        combined = p.combined;
+    }
 
     // Third phase of the filter step. What the gate does not admit changes nothing and has no weight; nor has
     // an epoch without channels, which says nothing, of the prediction neither.
@@ -58,7 +70,7 @@ class Corrector {
     }
 
     // The gate has refused as many measurements in a row as it may.
-    [[nodiscard]] bool out_of_patience() const { return patience > 0 && refused_ >= patience; }
+    [[nodiscard]] bool out_of_patience() const { return gate.patience > 0 && refused_ >= gate.patience; }
 
     // So many measurements in a row were larger than their covariance explains, refused or not: a noise that
     // is estimated counts as it was estimated, weights do not.
@@ -85,7 +97,7 @@ class Corrector {
 
     Correction<N, M> corrected(const Matrix<N>& prior, const Innovation<N, M>& innovation);
 
-    int refused_ = 0;         // in a row, counted up to patience
+    int refused_ = 0;         // in a row, counted up to gate.patience
     int contradictions_ = 0;  // in a row, counted up to kMostContradictions
 };
 
@@ -103,7 +115,7 @@ Correction<N, M> Corrector<N, M>::correct(const Matrix<N>& prior, const Innovati
     const bool admitted = judged || gate_stands_open || gate.admits(nis, channels);
     Correction<N, M> correction = admitted ? corrected(prior, innovation) : none;
     const bool taken = admitted && !(judged && !correction.used());
-    refused_ = taken ? 0 : std::min(refused_ + 1, patience);
+    refused_ = taken ? 0 : std::min(refused_ + 1, gate.patience);
     correction.nis = nis;
     const bool as_told =
         method == Method::standard || method == Method::h_infinity || (method == Method::combined && !judged);

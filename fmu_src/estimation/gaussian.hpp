@@ -56,6 +56,12 @@ struct Innovation {
         present(channel) = false;
     }
 
+    // Its noise becomes so many times larger; correlations stay what they are.
+    void inflate(int channel, double growth) {
+        noise.row(channel) *= growth;
+        noise.col(channel) *= growth;
+    }
+
     // Standardised innovation u_i = |v_i| / sqrt(S_ii), S = H P H^T + R.
     [[nodiscard]] Vector<M> standardised() const {
         return residual.cwiseAbs().cwiseQuotient((spread + noise).diagonal().cwiseSqrt());

@@ -34,23 +34,20 @@
 #include "estimation/adaptive_factor.hpp"
 #include "estimation/gaussian.hpp"
 #include "estimation/standard.hpp"
+#include "settings/correction.hpp"
 
 namespace truenorth {
 
 template <int N>
-class Igg {
+class Igg : public settings::Igg {
   public:
-    enum class Form { corrected, printed };
-
-    Form form = Form::corrected;
-    double k0 = 2.5;
-    double k1 = 8.0;
+    using Form = settings::IggForm;
+    using settings::Igg::operator=;
 
     // Guard against lock-out: a prediction that has gone astray makes every good measurement look like an
     // outlier, for ever. An epoch is bad if any of its channels loses weight; outliers make one or two in
     // succession. After `patience` consecutive bad ones the adaptive factor, which blames the prediction,
     // takes over until an epoch that is not bad.
-    int patience = 5;
     AdaptiveFactor<N> guard;
 
     [[nodiscard]] double weight(double u) const {
@@ -90,7 +87,7 @@ class Igg {
             if (weights(i) == 0.0) {
                 used.remove(i);
             } else {
-                inflate(used, i, 1.0 / std::sqrt(weights(i)));
+                used.inflate(i, 1.0 / std::sqrt(weights(i)));
             }
         }
         Correction<N, M> correction = Standard().correct(prior, used);
@@ -109,13 +106,6 @@ class Igg {
     static constexpr double kDetection = 3.0;  // sigma_m of eq. 26
     static constexpr double kExact = 1e-6;     // of the noise, left of it where eq. 30 leaves none or less
 
-    // Covariances of the noise grow with its standard deviations; correlations stay what they are.
-    template <int M>
-    static void inflate(Innovation<N, M>& innovation, int channel, double growth) {
-        innovation.noise.row(channel) *= growth;
-        innovation.noise.col(channel) *= growth;
-    }
-
     template <int M>
     [[nodiscard]] Correction<N, M> correct_as_printed(const Matrix<N>& prior,
                                                       const Innovation<N, M>& innovation) const {
@@ -132,7 +122,7 @@ class Igg {
                 const double lambda =
                     others > 0 && size > 0.0 ? printed_factor(size * others / (sum - size)) : 1.0;
                 const double factor = (lambda * (spread + R) - spread) / R;
-                inflate(used, i, std::sqrt(std::max(factor, kExact)));
+                used.inflate(i, std::sqrt(std::max(factor, kExact)));
                 weights(i) = 1.0 / std::max(factor, 1.0);
             }
         }

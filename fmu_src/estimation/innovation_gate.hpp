@@ -5,6 +5,7 @@
 
 #include "estimation/chi_square.hpp"
 #include "estimation/gaussian.hpp"
+#include "settings/correction.hpp"
 
 namespace truenorth {
 
@@ -16,9 +17,9 @@ double nis(const Innovation<N, M>& innovation) {
     return Vector<M>(S.matrixL().solve(innovation.residual)).squaredNorm();
 }
 
-struct InnovationGate {
-    bool enabled = true;
-    double threshold = 16.0;  // of the NIS of two channels, where it admits 1 - exp(-threshold / 2)
+// `threshold` is that of two channels, where it admits 1 - exp(-threshold / 2).
+struct InnovationGate : settings::Gate {
+    using settings::Gate::operator=;
 
     [[nodiscard]] bool admits(double nis, int channels) const { return !enabled || explains(nis, channels); }
 

@@ -2,9 +2,11 @@
 // time.
 #pragma once
 
+#include "settings/prediction.hpp"
+
 namespace truenorth {
 
-enum class Discretisation { euler, runge_kutta };
+using settings::Discretisation;
 
 template <class State, class Rate>
 State integrate(const State& x, const Rate& rate, double dt, Discretisation discretisation) {

@@ -15,14 +15,11 @@
 #include "estimation/model.hpp"
 #include "estimation/prediction.hpp"
 #include "estimation/square_root.hpp"
+#include "settings/prediction.hpp"
 
 namespace truenorth {
 
-struct UnscentedParameters {
-    double alpha = 1e-3;
-    double beta = 2.0;
-    double kappa = 0.0;
-};
+using UnscentedParameters = settings::Unscented;
 
 class SigmaPoints {
   public:

@@ -18,7 +18,7 @@
 // large for another reason, such as a prediction that has gone astray, and shall show.
 //
 // A channel starts with the nominal R of its first epoch, or with a variance that is given, as sure as
-// 2 start_a epochs make it (Jing 2023, eq. 19: a = 1, b = 0.1 m2/s2 and 2 m2); correlations of the nominal R
+// 2 a epochs make it (Jing 2023, eq. 19: a = 1, b = 0.1 m2/s2 and 2 m2); correlations of the nominal R
 // are left out. A channel that is absent learns nothing, and nothing is forgotten of it. The
 // corrector is the standard one, with R as given, for 0 iterations.
 #pragma once
@@ -27,19 +27,16 @@
 
 #include "estimation/gaussian.hpp"
 #include "estimation/standard.hpp"
+#include "settings/correction.hpp"
 
 namespace truenorth {
 
 template <int M>
-class VariationalBayes {
+class VariationalBayes : public settings::VariationalBayes {
   public:
-    enum class Form { corrected, printed };
+    using Form = settings::BayesForm;
+    using settings::VariationalBayes::operator=;
 
-    double rho = 0.95;
-    double limit = 10.0;  // of the form `corrected`
-    int iterations = 3;
-    Form form = Form::corrected;
-    double start_a = 1.0;
     Vector<M> start_variance = Vector<M>::Zero();  // b / a of a channel that starts; 0: the nominal R
 
     template <int N>
@@ -51,22 +48,22 @@ class VariationalBayes {
         const Array nominal = innovation.noise.diagonal();
         const Mask starts = present && a_ == 0.0;
         const Array start = (start_variance.array() > 0.0).select(start_variance.array(), nominal);
-        a_ = starts.select(start_a, a_);
-        b_ = starts.select(start_a * start, b_);
+        a_ = starts.select(a, a_);
+        b_ = starts.select(a * start, b_);
 
         const bool printed = form == Form::printed;
-        const Array a = (printed ? 1.0 : rho) * a_ + 0.5;
+        const Array a_now = (printed ? 1.0 : rho) * a_ + 0.5;
         const Array b_prior = rho * b_;
         Array b = b_prior;
         Innovation<N, M> used = innovation;
         for (int i = 0; i < (printed ? 1 : iterations); ++i) {
-            used.noise = present.select(b / a, nominal).matrix().asDiagonal();
+            used.noise = present.select(b / a_now, nominal).matrix().asDiagonal();
             b = b_prior + 0.5 * (printed ? square_of_prior(used) : square_of_posterior(used));
             if (!printed) {
-                b = b.max(a * nominal / (limit * limit)).min(a * nominal * (limit * limit));
+                b = b.max(a_now * nominal / (limit * limit)).min(a_now * nominal * (limit * limit));
             }
         }
-        a_ = present.select(a, a_);
+        a_ = present.select(a_now, a_);
         b_ = present.select(b, b_);
         return Standard().correct(prior, used);
     }

@@ -37,24 +37,15 @@ NavigationState state_of(const Initial& initial) {
 
 template <class Parameters>
 Predictor predictor_of(const Parameters& p) {
-    using Chosen = decltype(p.predictor);
-    const UnscentedParameters unscented{
-        .alpha = p.unscented.alpha, .beta = p.unscented.beta, .kappa = p.unscented.kappa};
     switch (p.predictor) {
-        case Chosen::linearised:
+        case settings::Predictor::linearised:
             return Linearised();
-        case Chosen::unscented:
+        case settings::Predictor::unscented:
             break;
-        case Chosen::augmented:
-            return Augmented(unscented);
+        case settings::Predictor::augmented:
+            return Augmented(p.unscented);
     }
-    return Unscented(unscented);
-}
-
-template <class Parameters>
-Discretisation discretisation_of(const Parameters& p) {
-    return p.discretisation == decltype(p.discretisation)::euler ? Discretisation::euler
-                                                                 : Discretisation::runge_kutta;
+    return Unscented(p.unscented);
 }
 
 template <class Engine, class Parameters>
@@ -110,60 +101,6 @@ Vector<Engine::kStates> widest_of(const Engine& engine, const Parameters& p) {
     return widest;
 }
 
-// `widest`: see AdaptiveFactor.
-template <int N, int M, class Parameters>
-void configure_corrector(Corrector<N, M>& corrector, const Vector<N>& widest, const Parameters& p) {
-    using Chosen = decltype(p.corrector);
-    using Method = typename Corrector<N, M>::Method;
-    switch (p.corrector) {
-        case Chosen::standard:
-            corrector.method = Method::standard;
-            break;
-        case Chosen::h_infinity:
-            corrector.method = Method::h_infinity;
-            break;
-        case Chosen::igg:
-            corrector.method = Method::igg;
-            break;
-        case Chosen::adaptive_factor:
-            corrector.method = Method::adaptive_factor;
-            break;
-        case Chosen::variational_bayes:
-            corrector.method = Method::variational_bayes;
-            break;
-        case Chosen::combined:
-            corrector.method = Method::combined;
-            break;
-    }
-    corrector.gate.enabled = p.gate.enabled;
-    corrector.gate.threshold = p.gate.threshold;
-    corrector.patience = p.gate.patience;
-    using IggForm = typename Igg<N>::Form;
-    corrector.igg.form = p.igg.form == decltype(p.igg.form)::printed ? IggForm::printed : IggForm::corrected;
-    corrector.igg.k0 = p.igg.k0;
-    corrector.igg.k1 = p.igg.k1;
-    corrector.igg.patience = p.igg.patience;
-    auto& adaptive = corrector.adaptive_factor;
-    using AdaptiveForm = typename AdaptiveFactor<N>::Form;
-    adaptive.form = p.adaptive.form == decltype(p.adaptive.form)::printed ? AdaptiveForm::printed
-                                                                          : AdaptiveForm::unit_free;
-    adaptive.threshold = p.adaptive.threshold;
-    adaptive.widest = widest;
-    corrector.igg.guard = adaptive;
-    auto& bayes = corrector.variational_bayes;
-    using BayesForm = typename std::remove_reference_t<decltype(bayes)>::Form;
-    const auto& variational_bayes = p.variational_bayes;
-    bayes.form = variational_bayes.form == decltype(variational_bayes.form)::printed ? BayesForm::printed
-                                                                                     : BayesForm::corrected;
-    bayes.rho = variational_bayes.rho;
-    bayes.iterations = variational_bayes.iterations;
-    bayes.limit = variational_bayes.limit;
-    bayes.start_a = variational_bayes.a;
-    corrector.combined.patience = p.combined.patience;
-    corrector.combined.memory = p.combined.memory;
-    corrector.combined.limit = p.combined.limit;
-}
-
 // Of the constant errors of the aids' sensors (aiding/observation.hpp).
 template <class Parameters>
 Appended::Constants sensor_sigma_of(const Parameters& p) {
@@ -195,7 +132,6 @@ Vector<M> starting_variance_of(const Parameters& p) {
 // these are not positive and no ceiling bounds it.
 template <class Engine, class Parameters>
 void scale_h_infinity(Engine& engine, const Parameters& p, double elapsed) {
-    using Scaling = decltype(p.robust.scaling);
     auto& h_infinity = engine.corrector.h_infinity;
     h_infinity.gamma = p.robust.gamma;
     constexpr int heading = Engine::Where::attitude.first + 2;
@@ -205,18 +141,18 @@ void scale_h_infinity(Engine& engine, const Parameters& p, double elapsed) {
     }
     h_infinity.ceiling = std::nullopt;
     switch (p.robust.scaling) {
-        case Scaling::printed:
+        case settings::RobustScaling::printed:
             h_infinity.scale.setConstant(elapsed > 0.0 ? 1.0 : 0.0);
             break;
-        case Scaling::rate_invariant:
+        case settings::RobustScaling::rate_invariant:
             h_infinity.scale = std::sqrt(std::max(elapsed, 0.0) / p.robust.horizon) * sigma.cwiseInverse();
             break;
-        case Scaling::ceiling:
+        case settings::RobustScaling::ceiling:
             h_infinity.scale = sigma.cwiseInverse();
             h_infinity.ceiling = {.sigma = sigma, .limit = p.robust.ceiling};
             break;
     }
-    if (p.robust.states == decltype(p.robust.states)::heading) {
+    if (p.robust.states == settings::RobustStates::heading) {
         const double protected_scale = h_infinity.scale(heading);
         h_infinity.scale.setZero();
         h_infinity.scale(heading) = protected_scale;
@@ -246,7 +182,7 @@ void configure(Engine& engine, const Parameters& p) {
     auto& model = engine.estimator.model;
     engine.adapter.configure(model, p);
     if constexpr (requires { model.discretisation; }) {
-        model.discretisation = discretisation_of(p);
+        model.discretisation = p.discretisation;
     }
     if constexpr (requires { engine.feedback = p.feedback; }) {
         engine.feedback = p.feedback;
@@ -263,10 +199,13 @@ void configure(Engine& engine, const Parameters& p) {
     engine.estimator.predictor = predictor_of(p);
     engine.estimator.appended.prior_sigma = sensor_sigma_of(p);
     engine.prior_sigma = prior_sigma_of<Engine>(p);
-    configure_corrector(engine.corrector, widest_of(engine, p), p);
-    engine.corrector.variational_bayes.start_variance =
+    auto& corrector = engine.corrector;
+    corrector.configure(p);
+    corrector.adaptive_factor.widest = widest_of(engine, p);
+    corrector.igg.guard.widest = corrector.adaptive_factor.widest;
+    corrector.variational_bayes.start_variance =
         starting_variance_of<typename Engine::Where, Engine::kMeasurements>(p);
-    engine.corrector.combined.positions = positions_of<typename Engine::Where, Engine::kMeasurements>();
+    corrector.combined.positions = positions_of<typename Engine::Where, Engine::kMeasurements>();
 }
 
 }  // namespace truenorth

@@ -1,3 +1,4 @@
+{% import "members.jinja" as members %}
 // Generated from modelDescription/{{ component.name }}.toml; do not edit.
 #pragma once
 
@@ -11,47 +12,23 @@
 
 #include "contract/parameter_rules.hpp"
 #include "contract/serialisation.hpp"
+{% for header in component.shared %}
+#include "{{ header }}"
+{% endfor %}
 
 namespace truenorth::{{ component.snake_name }} {
 
-{% for name, enumeration in component.enumeration.items() %}
-// {{ enumeration.description }}
-enum class {{ name }} : int {
-{% for item in enumeration.items %}
-    {{ item.name }} = {{ loop.index }},  // {{ item.description }}
-{% endfor %}
-};
-
-{% endfor %}
-{% macro serialize(members, pad) -%}
-{{ pad }}template <class Archive>
-{{ pad }}void serialize([[maybe_unused]] Archive& archive) {
-{% for member in members %}
-{{ pad }}    archive({{ member.name }});
-{% endfor %}
-{{ pad }}}
-{%- endmacro %}
-{% macro body(members, pad) %}
-{% for member in members %}
-{% if member.variable %}
-{% set unit = member.variable.unit_text %}
-{{ pad }}{{ cpp.type(member.variable) }} {{ member.name }}{{ cpp.initialiser(member.variable) }};  // {{ '[%s] ' % unit if unit else '' }}{{ member.variable.description }}
-{% else %}
-{{ pad }}struct {{ member.type_name }} {
-{{ body(member.members, pad ~ '    ') -}}
-{{ pad }}};
-{{ pad }}{{ member.type_name }} {{ member.name }};
-{% endif %}
+{{ members.enumerations(component.own_enumerations) -}}
+{% for name in component.shared_enumerations %}
+using settings::{{ name }};
 {% endfor %}
 
-{{ serialize(members, pad) }}
-{% endmacro %}
-{% for title, members in [
-    ('Parameters', nest(component.of('parameter', 'tunable'))),
+{% for title, of_struct in [
+    ('Parameters', parameters),
     ('Inputs', nest(component.of('input'))),
     ('Outputs', nest(component.of('output')))] %}
 struct {{ title }} {
-{{ body(members, '    ') -}}
+{{ members.body(of_struct, '    ', cpp) -}}
 };
 
 {% endfor %}

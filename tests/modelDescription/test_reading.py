@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 from declaration import Declaration, DeclarationError
-from reading import read
+from generate import code, settings
+from reading import read, read_settings
 
 HERE = Path(__file__).parents[2] / "modelDescription"
 
@@ -207,6 +208,57 @@ def test_an_included_variable_can_be_adapted(tmp_path: Path) -> None:
 )
 def test_bad_includes(tmp_path: Path, part: str, more: str, own: str, sentence: str) -> None:
     assert sentence in refused(tmp_path, part, more, own)
+
+
+IN_SETTINGS = 'settings = ["paint"]\n' + SHADE
+PAINT = variable(name='"paint.coats"') + variable(
+    name='"paint.shade"', type='"Shade"', unit="", start='"dark"', causality='"tunable"'
+)
+
+
+def test_groups_in_settings_are_structs_of_all_components(tmp_path: Path) -> None:
+    """Each with the starts of the file; a component tells where it starts otherwise."""
+    more = '[override."paint.coats"]\nstart = 7.0\n'
+    glow = variable(name='"paint.glow"', causality='"output"', start="")
+    declaration = included(tmp_path, IN_SETTINGS + PAINT + glow, more)
+    assert declaration.shared_enumerations == ["Shade"]
+    assert list(declaration.own_enumerations) == ["Colour"]
+    text = code(declaration)["variables.hpp"]
+    assert '#include "settings/part.hpp"' in text
+    assert "using settings::Shade;" in text
+    assert "enum class Shade" not in text
+    assert "settings::Paint paint{.coats = 7.0};" in text
+    header = settings(read_settings(tmp_path / "shared" / "part.toml"), "part.toml")
+    assert "enum class Shade : int" in header
+    assert "double coats = 1.0;" in header
+    assert "Shade shade = Shade::dark;" in header
+    assert "glow" not in header
+
+
+@pytest.mark.parametrize(
+    ("part", "own", "sentence"),
+    [
+        (IN_SETTINGS + variable(), "", "shared/part.toml: settings: no parameter of the file is in"),
+        (
+            IN_SETTINGS + PAINT.replace("Shade", "Colour"),
+            "",
+            "shared/part.toml: variable 'paint.shade': type: 'Colour' must be of this file",
+        ),
+        (
+            IN_SETTINGS + PAINT,
+            variable(name='"paint.gloss"'),
+            "Thing.toml: variable 'paint.gloss': the group 'paint' is in the settings of shared/part.toml",
+        ),
+    ],
+)
+def test_bad_settings(tmp_path: Path, part: str, own: str, sentence: str) -> None:
+    assert sentence in refused(tmp_path, part, own=own)
+
+
+@pytest.mark.parametrize("key", ["settings = []", "shared = {}"])
+def test_a_component_has_no_settings_of_its_own(tmp_path: Path, key: str) -> None:
+    head = EXPERIMENT.replace("[default_experiment]", f"{key}\n[default_experiment]")
+    assert "only an included file may have settings" in reason(tmp_path, variable(), head=head)
 
 
 def test_of_another_component_the_outputs_alone(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ class AdaptiveCorrector : public testing::TestWithParam<unsigned> {
   protected:
     // Li, eqs. 15-17 with P for the misprinted P_k, given alpha.
     static void expect_update(const RandomMeasurement& c, double alpha, AdaptiveFactor<kStates>::Form form) {
-        const auto correction = AdaptiveFactor<kStates>{.form = form}.correct(c.P, c.innovation());
+        const auto correction = AdaptiveFactor<kStates>{{.form = form}}.correct(c.P, c.innovation());
         EXPECT_TRUE(is_sound(correction));
         EXPECT_NEAR(correction.alpha, alpha, 1e-13);
         const DenseUpdate expected(c.P / alpha, c.H, c.R, c.residual, {0, 1, 2});
@@ -89,7 +89,7 @@ TEST(AdaptiveFactorOfAbsentChannels, DoesNotCountThem) {
         const double S = c.H.row(0) * c.P * c.H.row(0).transpose() + c.R(0);
         const double limit = form == AdaptiveFactor<kStates>::Form::printed ? 1.0 : 2.1;
         innovation.residual(0) = std::sqrt(10.0 * S);
-        const auto correction = AdaptiveFactor<kStates>{.form = form}.correct(c.P, innovation);
+        const auto correction = AdaptiveFactor<kStates>{{.form = form}}.correct(c.P, innovation);
         EXPECT_NEAR(correction.alpha, limit / 10.0, 1e-14);
         EXPECT_EQ(correction.weight, Channels(1.0, 0.0, 0.0));
     }
@@ -109,7 +109,8 @@ double firing_rate(AdaptiveFactor<6>::Form form, double metre, unsigned seed) {
                                           .spread = 1e-6 * R,
                                           .noise = R,
                                           .cross = 1e-6 * R};
-        fired += AdaptiveFactor<6>{.form = form}.correct(Matrix<6>(1e-6 * R), innovation).alpha < 1.0 ? 1 : 0;
+        fired +=
+            AdaptiveFactor<6>{{.form = form}}.correct(Matrix<6>(1e-6 * R), innovation).alpha < 1.0 ? 1 : 0;
     }
     return static_cast<double>(fired) / epochs;
 }

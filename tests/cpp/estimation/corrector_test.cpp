@@ -117,7 +117,7 @@ TEST_P(AnyCorrector, LearnsNothingFromAnEpochWithoutChannels) {
             Any corrector;
             corrector.method = method;
             corrector.gate.enabled = gated;
-            corrector.patience = 3;
+            corrector.gate.patience = 3;
             corrector.correct(c.P, beyond);
             const auto before = SavedState::of(corrector);
             const auto correction = corrector.correct(c.P, silent);
@@ -160,7 +160,7 @@ TEST_P(AnyCorrector, LosesPatienceWithAGateThatRefusesTooManyInARow) {
         }
         Any corrector;
         corrector.method = method;
-        corrector.patience = 3;
+        corrector.gate.patience = 3;
         ASSERT_TRUE(corrector.gate.admits(nis(c.innovation()), kChannels));
         for (int i = 0; i < 100; ++i) {  // isolated ones never
             corrector.correct(c.P, beyond);
@@ -173,12 +173,12 @@ TEST_P(AnyCorrector, LosesPatienceWithAGateThatRefusesTooManyInARow) {
             EXPECT_EQ(corrector.out_of_patience(), i >= 3);
         }
         Any restored;
-        restored.patience = 3;
+        restored.gate.patience = 3;
         SavedState::restore(restored, SavedState::of(corrector));
         EXPECT_TRUE(restored.out_of_patience());
         corrector.correct(c.P, c.innovation());
         EXPECT_FALSE(corrector.out_of_patience());
-        corrector.patience = 0;
+        corrector.gate.patience = 0;
         for (int i = 1; i <= 10; ++i) {
             corrector.correct(c.P, beyond);
             EXPECT_FALSE(corrector.out_of_patience());

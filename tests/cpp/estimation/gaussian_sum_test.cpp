@@ -67,7 +67,7 @@ GaussianSum<Direction> bank_of_directions(double sensor_sigma) {
     return bank;
 }
 
-constexpr InnovationGate kOpen{.enabled = false};
+constexpr InnovationGate kOpen{{.enabled = false}};
 
 // Of the constant errors of the sensor.
 auto log_prior(double sigma) {

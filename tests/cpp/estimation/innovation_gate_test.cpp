@@ -46,19 +46,19 @@ Innovation<2, 2> of_nis(double nis) {
 }
 
 TEST(InnovationGate, AdmitsUpToItsThreshold) {
-    const InnovationGate gate{.enabled = true, .threshold = 16.0};
+    const InnovationGate gate{{.enabled = true, .threshold = 16.0}};
     EXPECT_TRUE(gate.admits(nis(of_nis(0.0)), 2));
     EXPECT_TRUE(gate.admits(nis(of_nis(15.9999)), 2));
     EXPECT_FALSE(gate.admits(nis(of_nis(16.0001)), 2));
 }
 
 TEST(InnovationGate, DoesNotAdmitWhatIsNoNumber) {
-    EXPECT_FALSE(
-        (InnovationGate{true, 16.0}.admits(nis(of_nis(std::numeric_limits<double>::quiet_NaN())), 2)));
+    EXPECT_FALSE((InnovationGate{{.enabled = true, .threshold = 16.0}}.admits(
+        nis(of_nis(std::numeric_limits<double>::quiet_NaN())), 2)));
 }
 
 TEST(InnovationGate, AdmitsEverythingWhenDisabled) {
-    EXPECT_TRUE((InnovationGate{false, 16.0}.admits(nis(of_nis(1e6)), 2)));
+    EXPECT_TRUE((InnovationGate{{.enabled = false, .threshold = 16.0}}.admits(nis(of_nis(1e6)), 2)));
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ TEST(Innovation, NothingOfAnAbsentChannelMatters) {
 
 TEST(InnovationGate, HasOneConfidenceForAnyNumberOfChannels) {
     // Quantiles of chi-square at 1 - exp(-8) = 0.99966454, where two channels have 16 (scipy.stats.chi2.isf).
-    const InnovationGate gate{.enabled = true, .threshold = 16.0};
+    const InnovationGate gate{{.enabled = true, .threshold = 16.0}};
     EXPECT_EQ(gate.threshold_for(2), 16.0);
     EXPECT_NEAR(gate.threshold_for(1), 12.861, 0.02 * 12.861);
     EXPECT_NEAR(gate.threshold_for(6), 25.042, 0.02 * 25.042);
@@ -127,7 +127,7 @@ TEST(InnovationGate, CountsTheChannelsThatArePresent) {
                                 .spread = Matrix<3>::Zero(),
                                 .noise = Matrix<3>::Identity(),
                                 .cross = Matrix<1, 3>::Zero()};
-    const InnovationGate gate{.enabled = true, .threshold = 16.0};
+    const InnovationGate gate{{.enabled = true, .threshold = 16.0}};
     innovation.residual(0) = std::sqrt(17.0);  // admitted as one of three, not as one of two
     EXPECT_TRUE(gate.admits(nis(innovation), innovation.channels()));
     innovation.remove(2);

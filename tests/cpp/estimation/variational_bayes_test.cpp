@@ -149,7 +149,7 @@ TEST_P(VariationalBayesCorrector, StartsWhereJing2023DoesOrWhereItIsTold) {
     RandomCovariance random(GetParam());
     for (const double a : {1.0, 5.0}) {
         auto bayes = bayes_with<kChannels>(0.99, 1);
-        bayes.start_a = a;
+        bayes.a = a;
         bayes.start_variance = Channels(0.1, 2.0, 0.0) / a;
         const RandomMeasurement c(random, 1.0);
         const Channels b(0.1, 2.0, a * c.R(2));

@@ -16,7 +16,7 @@ TEST(FilterSettings, GiveTheGuardOfIggTheAdaptiveFactorOfTheParameters) {
     parameters.adaptive.threshold = 12.0;
     parameters.adaptive.form = alignment_filter::AdaptiveForm::printed;
     Corrector<2, 2> corrector;
-    configure_corrector(corrector, Vector<2>(1.0, 1.0), parameters);
+    corrector.configure(parameters);
     EXPECT_EQ(corrector.igg.guard.threshold, 12.0);
     EXPECT_EQ(corrector.igg.guard.form, AdaptiveFactor<2>::Form::printed);
 }
@@ -48,7 +48,7 @@ TEST(FilterSettings, StartVariationalBayesWithTheVariancesOfTheParameters) {
     parameters.variational_bayes.velocity_sigma = 0.5;
     NavigationEngine<LargeAzimuth> engine;  // measures velocities alone
     configure(engine, parameters);
-    EXPECT_EQ(engine.corrector.variational_bayes.start_a, 2.0);
+    EXPECT_EQ(engine.corrector.variational_bayes.a, 2.0);
     EXPECT_EQ(engine.corrector.variational_bayes.start_variance, Vector<2>(0.25, 0.25));
     Vector<6> expected;
     expected << 9.0, 9.0, 9.0, 0.25, 0.25, 0.25;
