@@ -11,6 +11,7 @@
 #include "estimation/combined.hpp"
 #include "estimation/gaussian.hpp"
 #include "estimation/h_infinity.hpp"
+#include "estimation/huber.hpp"
 #include "estimation/igg.hpp"
 #include "estimation/innovation_gate.hpp"
 #include "estimation/standard.hpp"
@@ -36,6 +37,7 @@ class Corrector {
     Igg<N> igg;
     AdaptiveFactor<N> adaptive_factor;
     VariationalBayes<M> variational_bayes;
+    Huber huber;
     Combined<M> combined;  // judges by the gate's threshold itself; without the gate, it is the standard one
 
     // Takes the settings of all of them, from the groups of parameters; keeps what they have learned.
@@ -47,6 +49,7 @@ class Corrector {
         igg.guard = p.adaptive;
         adaptive_factor = p.adaptive;
         variational_bayes = p.variational_bayes;
+        huber = p.huber;
         combined = p.combined;
     }
 
@@ -145,6 +148,8 @@ Correction<N, M> Corrector<N, M>::corrected(const Matrix<N>& prior, const Innova
             return adaptive_factor.correct(prior, innovation);
         case Method::variational_bayes:
             return variational_bayes.correct(prior, innovation);
+        case Method::huber:
+            return huber.correct(prior, innovation);
         case Method::combined:
             if (judges()) {
                 return combined.correct(prior, innovation, gate, gate_stands_open);

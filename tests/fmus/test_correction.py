@@ -24,6 +24,7 @@ NEUTRAL: dict[str, dict[str, Number]] = {
     "igg": {"igg.k0": 1e99, "igg.k1": 1e100},
     "adaptive_factor": {"adaptive.threshold": 1e100},
     "variational_bayes": {"variational_bayes.iterations": 0},
+    "huber": {"huber.k": 1e100},
     "combined": {"combined.limit": 1.0, "gate.threshold": 1e100},
 }
 

@@ -73,6 +73,7 @@ CASES = {
     "variational Bayes of positions, navigation": Case(
         ("variational_bayes.position_sigma",), {"corrector": 5, **NO_GATE}, filters=NAVIGATION
     ),
+    "Huber": Case(("huber.",), {"corrector": 7, **NO_GATE}),
     "combined": Case(("combined.",)),
     "gate": Case(
         ("gate.", "consistency.limit"), {"corrector": 1, "gate.patience": 3, "consistency.limit": 1.0}

@@ -14,8 +14,9 @@ namespace {
 
 using Any = Corrector<kStates, kChannels>;
 using Method = Any::Method;
-constexpr std::array kMethods{Method::standard,        Method::h_infinity,        Method::igg,
-                              Method::adaptive_factor, Method::variational_bayes, Method::combined};
+constexpr std::array kMethods{
+    Method::standard,          Method::h_infinity, Method::igg,  Method::adaptive_factor,
+    Method::variational_bayes, Method::combined,   Method::huber};
 
 class AnyCorrector : public testing::TestWithParam<unsigned> {};
 
@@ -53,6 +54,7 @@ TEST_P(AnyCorrector, IsTheStandardOneAtItsNeutralSetting) {
         corrector.igg.k1 = 11.0;
         corrector.adaptive_factor.threshold = 100.0;
         corrector.variational_bayes.iterations = 0;
+        corrector.huber.k = std::numeric_limits<double>::infinity();
         corrector.combined.limit = 1.0;
         corrector.gate.threshold = 1e100;
         for (int i = 0; i < 200; ++i) {
