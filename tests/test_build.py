@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from sim_scenarios import toml
+
 ROOT = Path(__file__).parents[1]
 
 
@@ -117,3 +119,12 @@ def test_the_version_is_the_same_everywhere() -> None:
         }.items()
     }
     assert len({match.group(1) if match else None for match in found.values()}) == 1, found
+
+
+def test_the_oldest_versions_that_are_tested_are_those_that_are_allowed() -> None:
+    project = toml.read(ROOT / "pyproject.toml")["project"]
+    extras = project["optional-dependencies"]
+    allowed = [*project["dependencies"], *extras["recordings"], *extras["sign"]]
+    oldest = [one.partition(";")[0].replace(">=", "==") for one in allowed if "< '3.11'" not in one]
+    lines = (ROOT / "requirements.lowest").read_text("utf-8").splitlines()
+    assert [line for line in lines if not line.startswith("#")] == oldest
