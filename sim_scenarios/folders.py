@@ -36,6 +36,9 @@ DRAFT: Final = ".truenorth-draft-"
 CONTENTS: Final = ".truenorth-files"
 """File of a folder that lists those beside and below it that a command wrote."""
 
+SEMAPHORES: Final = Path("/dev/shm")
+"""Where Linux keeps them. Those that are named after a folder of this module are removed with it."""
+
 _LOCK: Final = ".lock"
 _TAKEN: Final = (errno.EAGAIN, errno.EACCES)
 """Why a lock cannot be had that another process has."""
@@ -262,6 +265,8 @@ def _sweep(parent: Path, prefix: str) -> None:
     for folder in parent.glob(f"{prefix}*"):
         with suppress(OSError):
             if _is_own(folder) and _is_left(folder):
+                for semaphore in SEMAPHORES.glob(f"sem.{folder.name}-*"):
+                    remove(semaphore)
                 remove(folder)
 
 
