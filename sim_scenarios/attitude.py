@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 def dcm(roll: ArrayLike, pitch: ArrayLike, heading: ArrayLike) -> Array:
     """C_bn of Euler angles [rad], each of shape (...) -> (..., 3, 3)."""
     angles = np.stack(np.broadcast_arrays(-np.asarray(heading), pitch, roll), axis=-1)
-    matrix: Array = Rotation.from_euler("ZXY", angles).as_matrix()
-    return matrix
+    matrix: Array = Rotation.from_euler("ZXY", angles.reshape(-1, 3)).as_matrix()  # SciPy < 1.17: rows alone
+    return matrix.reshape(*angles.shape, 3)
 
 
 def euler_angles(C_bn: Array) -> tuple[float, float, float]:

@@ -29,7 +29,7 @@ from sim_scenarios.archives import write_archive
 from sim_scenarios.cosimulation import FIX_SIGNALS, Recorded, Table, connected
 from sim_scenarios.errors import SimulationError
 from sim_scenarios.fmus import Fmu, Number
-from sim_scenarios.folders import temporary
+from sim_scenarios.folders import filling_temporary, temporary
 from sim_scenarios.instance import Instance, Port
 
 SOURCE: Final = "plant."
@@ -80,9 +80,11 @@ class Container:
             [sink + name for sink, names in zip(self._sinks, each, strict=True) for name in names]
             for each in (outputs, fix_outputs)
         )
-        self._folder = TemporaryDirectory(prefix="container-", dir=temporary())
         try:
-            self._fmu = Fmu(self._built(plant, filters, step))
+            with filling_temporary():
+                self._folder = TemporaryDirectory(prefix="container-", dir=temporary())
+                path = self._built(plant, filters, step)
+            self._fmu = Fmu(path)
         except FMUContainerError as error:  # of a filter that is not ours
             raise SimulationError(f"the filters do not go into a container: {error}") from error
 

@@ -24,7 +24,7 @@ from fmpy.model_description import ModelDescription, ModelVariable
 from sim_scenarios import toml
 from sim_scenarios.catalogue import is_own_fmu
 from sim_scenarios.errors import InputError
-from sim_scenarios.folders import temporary
+from sim_scenarios.folders import filling_temporary, temporary
 
 PLANT: Final = "TruthPlant"
 PLAYBACK: Final = "Playback"
@@ -181,8 +181,10 @@ class Fmu:
     def folder(self) -> Path:
         """Folder with the unpacked FMU, the source code excepted."""
         if self._unpacked is None:
-            self._unpacked = TemporaryDirectory(prefix=f"{self.name}-", dir=temporary())
-            fmpy.extract(str(self.path), unzipdir=self._unpacked.name, include=_needed_to_run)
+            with filling_temporary():
+                unpacked = TemporaryDirectory(prefix=f"{self.name}-", dir=temporary())
+                fmpy.extract(str(self.path), unzipdir=unpacked.name, include=_needed_to_run)
+            self._unpacked = unpacked
         return Path(self._unpacked.name)
 
     @property

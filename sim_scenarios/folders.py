@@ -22,7 +22,7 @@ from functools import cache
 from pathlib import Path
 from typing import IO, Final
 
-from sim_scenarios.errors import InputError
+from sim_scenarios.errors import InputError, NoRoomError
 
 if sys.platform == "win32":
     import msvcrt
@@ -36,9 +36,13 @@ DRAFT: Final = ".truenorth-draft-"
 CONTENTS: Final = ".truenorth-files"
 """File of a folder that lists those beside and below it that a command wrote."""
 
+SEMAPHORES: Final = Path("/dev/shm")
+"""Where Linux keeps them. Those that are named after a folder of this module are removed with it."""
+
 _LOCK: Final = ".lock"
 _TAKEN: Final = (errno.EAGAIN, errno.EACCES)
 """Why a lock cannot be had that another process has."""
+_NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT)
 _NEWBORN: Final = 60.0
 """How long a folder may be made without being locked yet [s]."""
 
@@ -141,9 +145,38 @@ def temporary() -> Path:
     """The folder of this process for what it needs while it lives; removed at its end."""
     if _shared is not None:
         return _shared
-    owned = Owned(Path(tempfile.gettempdir()), TEMPORARY)
+    try:
+        place = Path(tempfile.gettempdir())
+    except FileNotFoundError as error:  # it has tried several
+        raise NoRoomError(f"{error.strerror}; TMPDIR names another folder") from None
+    with _named(place):
+        owned = Owned(place, TEMPORARY)
     atexit.register(owned.remove)
     return owned.path
+
+
+@contextmanager
+def filling_temporary() -> Iterator[None]:
+    """Say of what has no room meanwhile that it is a temporary file.
+
+    Raises
+    ------
+    NoRoomError
+    """
+    with _named(temporary().parent):
+        yield
+
+
+@contextmanager
+def _named(place: Path) -> Iterator[None]:
+    """Say which folder is full; the system does not, of files that grow."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in _NO_ROOM:
+            raise
+        sentence = f"{place}: {error.strerror}; temporary files go there, and TMPDIR names another folder"
+        raise NoRoomError(sentence) from None
 
 
 def share(folder: Path) -> None:
@@ -232,6 +265,8 @@ def _sweep(parent: Path, prefix: str) -> None:
     for folder in parent.glob(f"{prefix}*"):
         with suppress(OSError):
             if _is_own(folder) and _is_left(folder):
+                for semaphore in SEMAPHORES.glob(f"sem.{folder.name}-*"):
+                    remove(semaphore)
                 remove(folder)
 
 

@@ -27,6 +27,10 @@ def processes(workers: int | None = None) -> Iterator[ProcessPoolExecutor]:
     guard what it does with `if __name__ == "__main__"`.
     """
     context = multiprocessing.get_context("spawn")
+    if folders.SEMAPHORES.is_dir():
+        # They are found by name, and outlive a group of processes that is killed as a whole.
+        process = multiprocessing.current_process()
+        process._config["semprefix"] = f"/{folders.temporary().name}"  # type: ignore[attr-defined]
     wire, lifeline = context.Pipe(duplex=False)
     with wire, lifeline:
         executor = ProcessPoolExecutor(

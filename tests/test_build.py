@@ -12,6 +12,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from scikit_build_core.build import prepare_metadata_for_build_wheel
+
+from sim_scenarios import toml
 
 ROOT = Path(__file__).parents[1]
 
@@ -117,3 +120,30 @@ def test_the_version_is_the_same_everywhere() -> None:
         }.items()
     }
     assert len({match.group(1) if match else None for match in found.values()}) == 1, found
+
+
+def test_the_oldest_versions_that_are_tested_are_those_that_are_allowed() -> None:
+    project = toml.read(ROOT / "pyproject.toml")["project"]
+    extras = project["optional-dependencies"]
+    allowed = [*project["dependencies"], *extras["recordings"], *extras["sign"]]
+    oldest = [one.partition(";")[0].replace(">=", "==") for one in allowed if "< '3.11'" not in one]
+    lines = (ROOT / "requirements.lowest").read_text("utf-8").splitlines()
+    assert [line for line in lines if not line.startswith("#")] == oldest
+
+
+def test_the_metadata_of_the_wheel_has_the_licences_of_all_parts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    folder = tmp_path / prepare_metadata_for_build_wheel(str(tmp_path), {"wheel.cmake": "false"})
+    (expression,) = re.findall(r"^License-Expression: (.*)", (folder / "METADATA").read_text("utf-8"), re.M)
+    parts = {
+        "BSD-3-Clause",
+        "BSD-2-Clause",
+        "MPL-2.0",
+        "Apache-2.0",
+        "GPL-3.0-or-later WITH GCC-exception-3.1",
+    }
+    assert set(expression.split(" AND ")) == parts
+    texts = {path.name for path in (folder / "licenses").rglob("*.txt")}
+    assert texts == {path.name for path in (ROOT / "modelDescription/documentation/licenses").iterdir()}

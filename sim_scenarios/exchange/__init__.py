@@ -39,7 +39,7 @@ from sim_scenarios.exchange.recorded import of_recording
 from sim_scenarios.exchange.signature import Sign, signer
 from sim_scenarios.exchange.system import Component, System, of_scenario
 from sim_scenarios.fmus import PLAYBACK, Fmus
-from sim_scenarios.folders import filled, temporary
+from sim_scenarios.folders import filled, filling_temporary, temporary
 from sim_scenarios.recordings.description import load
 from sim_scenarios.recordings.replay import Filter
 from sim_scenarios.recordings.replay import replay as replay_recording
@@ -95,7 +95,8 @@ def export(
     system, vehicle = of_scenario(loaded, fmus), loaded.vehicle()
     with TemporaryDirectory(dir=temporary()) as place:
         if vehicle is not None:
-            system = with_vehicle(system, vehicle, fmus[PLAYBACK], Path(place))
+            with filling_temporary():
+                system = with_vehicle(system, vehicle, fmus[PLAYBACK], Path(place))
         _write(system, folder, {"seed": seed, **(set or {})}, lambda: _report(loaded, fmus), key)
     return system
 
@@ -143,11 +144,15 @@ def export_recording(
     of_filters = {name: value for name, value in set.items() if not fmus[PLAYBACK].has_parameter(name)}
 
     with TemporaryDirectory(dir=temporary()) as place:
-        system = of_recording(recording, start, Path(place), task=task, settings=set, fmus=fmus, step=step)
+        with filling_temporary():
+            system = of_recording(
+                recording, start, Path(place), task=task, settings=set, fmus=fmus, step=step
+            )
 
         def page() -> bytes:
             run = replay_recording(recording, start, filter=task, set=of_filters, fmus=fmus)
-            return report.report_replay(run, Path(place) / "report").read_bytes()
+            with filling_temporary():
+                return report.report_replay(run, Path(place) / "report").read_bytes()
 
         _write(system, folder, dict(set), page, key)
     return system
@@ -198,7 +203,7 @@ def _remove(folder: Path, name: str) -> None:
 def _report(scenario: Scenario, fmus: Fmus) -> bytes:
     """Report of the run that the reference results are of."""
     runs = run_filters(scenario, fmus, {FILTER: scenario.filter}, Order.jacobi)
-    with TemporaryDirectory(dir=temporary()) as folder:
+    with filling_temporary(), TemporaryDirectory(dir=temporary()) as folder:
         return report.report_run(recording.of_filter(runs, FILTER), Path(folder)).read_bytes()
 
 

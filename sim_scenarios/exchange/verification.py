@@ -16,7 +16,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from sim_scenarios.archives import is_as_written, read_archive
-from sim_scenarios.errors import InputError
+from sim_scenarios.errors import InputError, NoRoomError
 from sim_scenarios.exchange import checksums, replay, signature
 from sim_scenarios.exchange.evidence import FOLDER
 
@@ -172,6 +172,8 @@ def _looked_at(look: Callable[[Path], Check], part: Path) -> Check:
     """A look at an FMU or a system; what is listed may be nonsense all the same."""
     try:
         return look(part)
+    except NoRoomError:
+        raise
     except Exception as error:  # whatever zip, XML, CSV, FMPy and the FMU raise
         if isinstance(error, OSError) and error.errno in _NO_ROOM:  # which says nothing of the part
             raise InputError(

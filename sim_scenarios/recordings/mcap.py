@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 
 from sim_scenarios.attitude import dcm
 from sim_scenarios.earth import displacement
-from sim_scenarios.folders import temporary
+from sim_scenarios.folders import filling_temporary, temporary
 from sim_scenarios.recordings import track
 from sim_scenarios.recordings.clocks import leap_seconds
 from sim_scenarios.recordings.readers.extras import needed
@@ -62,7 +62,10 @@ def write(run: xr.Dataset, path: Path) -> None:
     store = types.get_typestore(types.Stores.ROS2_HUMBLE)
     with TemporaryDirectory(dir=temporary()) as place:
         folder = Path(place) / "bag"
-        with bags.Writer(folder, version=_VERSION, storage_plugin=bags.StoragePlugin.MCAP) as bag:
+        with (
+            filling_temporary(),
+            bags.Writer(folder, version=_VERSION, storage_plugin=bags.StoragePlugin.MCAP) as bag,
+        ):
             connections = {
                 kind: bag.add_connection(topic, kind, typestore=store) for kind, topic in TOPICS.items()
             }

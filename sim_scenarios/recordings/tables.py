@@ -7,11 +7,20 @@ navigation axes east, north, up. A component that is not a number has not been m
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+
+def doubles(values: NDArray[Any]) -> Array:
+    """Numbers of any kind as doubles, of the same shape; what is none is the NaN that arithmetic makes.
+
+    Damaged bytes are other ones too, some of which are errors as soon as anything is done with them.
+    """
+    return np.where(np.isnan(values), np.nan, values).astype(np.float64)
 
 
 @dataclass(frozen=True)

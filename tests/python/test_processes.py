@@ -17,6 +17,7 @@ import pytest
 from distributed import Client, LocalCluster, Security
 
 from sim_scenarios.errors import InputError, SimulationError
+from sim_scenarios.folders import TEMPORARY, Owned
 from sim_scenarios.processes import processes
 from sim_scenarios.studies import execution
 
@@ -25,6 +26,7 @@ Pool = tuple["subprocess.Popen[str]", list[int]]
 NOBODY = 65534
 LISTENING = "0A"
 PROC = Path("/proc")
+SEMAPHORES = Path("/dev/shm")
 IS_ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
 
 OWNER = """
@@ -78,7 +80,11 @@ def owner(tmp_path: Path) -> Iterator[Pool]:
     """A process with a pool that works, and all its processes."""
     (tmp_path / "owner.py").write_text(textwrap.dedent(OWNER), encoding="utf-8")
     command = [sys.executable, str(tmp_path / "owner.py")]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
+    (tmp_path / "tmp").mkdir()
+    place = {**os.environ, "TMPDIR": str(tmp_path / "tmp")}
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, text=True, start_new_session=True, env=place
+    ) as process:
         try:
             assert process.stdout is not None
             yield process, sorted(set(map(int, process.stdout.readline().split())))
@@ -96,6 +102,22 @@ def test_no_process_listens_and_none_outlives_its_owner(
     assert listening(all_of_them) == []
     process.kill()
     wait_for(lambda: not any(map(is_alive, all_of_them[1:])))
+
+
+@pytest.mark.skipif(not SEMAPHORES.is_dir(), reason="semaphores are kept elsewhere here")
+def test_the_next_one_removes_the_semaphores_of_a_group_that_was_killed(owner: Pool, tmp_path: Path) -> None:
+    """With the process that would remove them otherwise."""
+    process, all_of_them = owner
+    [folder] = (tmp_path / "tmp").iterdir()
+    semaphores = list(SEMAPHORES.glob(f"sem.{folder.name}-*"))
+    assert semaphores
+    os.killpg(process.pid, signal.SIGKILL)
+    wait_for(lambda: not any(map(is_alive, all_of_them[1:])))
+    process.wait()
+    assert all(semaphore.exists() for semaphore in semaphores)
+    Owned(tmp_path / "tmp", TEMPORARY).remove()
+    assert not any(semaphore.exists() for semaphore in semaphores)
+    assert list((tmp_path / "tmp").iterdir()) == []
 
 
 @linux

@@ -16,7 +16,7 @@ from sim_scenarios import recording
 from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers.contents import Contents
 from sim_scenarios.recordings.readers.files import beginning, whole
-from sim_scenarios.recordings.tables import ReferenceTable
+from sim_scenarios.recordings.tables import ReferenceTable, doubles
 
 _MAGIC: Final = b"CDF"
 _TRUTH: Final = tuple(
@@ -57,10 +57,10 @@ def read(path: Path) -> Contents:
                 f"the shape {shape}"
             )
     roll, pitch, heading, latitude, longitude, height, velocity = (
-        data[name].values.astype(np.float64) for name in _TRUTH
+        doubles(data[name].values) for name in _TRUTH
     )
     attitude, position = np.stack((roll, pitch, heading), -1), np.stack((latitude, longitude, height), -1)
-    time = data["time"].values.astype(np.float64)
+    time = doubles(data["time"].values)
     return Contents(
         reference=ReferenceTable(time, attitude, position, velocity),
         remarks=(f"{path}: a run keeps no samples of its IMU: its truth is a reference, and nothing else",),

@@ -32,7 +32,7 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.recordings.readers.contents import Axes, Contents, Inertial
 from sim_scenarios.recordings.readers.files import beginning, whole
 from sim_scenarios.recordings.readers.rows import line, numbers
-from sim_scenarios.recordings.tables import Array, FixTable, ReferenceTable
+from sim_scenarios.recordings.tables import Array, FixTable, ReferenceTable, doubles
 from sim_scenarios.units import ARCMIN, STANDARD_GRAVITY
 
 ARCSEC: Final = ARCMIN / 60
@@ -107,8 +107,8 @@ def _of_arrays(path: Path) -> Contents:
     gnss: FixTable | None = None
     reference: ReferenceTable | None = None
     names: dict[str, str] = {}
-    for name, array in matlab.tables(path, whole(path)):
-        width = array.shape[1]
+    for name, table in matlab.tables(path, whole(path)):
+        array, width = doubles(table), table.shape[1]
         if imu is None and width == _WIDTH and _is_imu(array):
             imu, names["imu"] = _imu(array), name
         elif reference is None and width == 10 and _increases(array[:, -1]):
@@ -127,8 +127,7 @@ def _tables(content: bytes) -> Iterator[Array]:
     for number, size in _BINARY.items():
         rows = len(content) // (size * _WIDTH)
         table = np.frombuffer(content, number, rows * _WIDTH).reshape(rows, _WIDTH)
-        with np.errstate(invalid="ignore"):  # bytes of anything make all kinds of not a number
-            yield table.astype(np.float64)
+        yield doubles(table)
 
 
 def _increases(time: Array) -> bool:

@@ -33,7 +33,7 @@ from sim_scenarios.recordings.readers.contents import Axes, Contents, Inertial
 from sim_scenarios.recordings.readers.epochs import References
 from sim_scenarios.recordings.readers.extras import needed
 from sim_scenarios.recordings.readers.files import beginning, whole
-from sim_scenarios.recordings.tables import Array, FixTable, HeadingTable
+from sim_scenarios.recordings.tables import Array, FixTable, HeadingTable, doubles
 from sim_scenarios.units import DEGREE
 
 _MAGIC: Final = b"ULog\x01\x12\x35"
@@ -98,7 +98,7 @@ def read(path: Path) -> Contents:
     try:
         with redirect_stdout(StringIO()):  # it prints what it finds damaged
             log = ulog(_Log(content), message_name_filter_list=list(_TOPICS), disable_str_exceptions=True)
-        topics = {data.name: data.data for data in log.data_list if data.multi_id == 0}
+        topics = {data.name: _quiet(data.data) for data in log.data_list if data.multi_id == 0}
     except Exception as error:  # of damaged bytes the package makes whatever they say
         raise InputError(f"{path}: cannot be read as a ULog: {type(error).__name__}: {error}") from None
     if log.file_corruption:
@@ -143,7 +143,7 @@ def _fixes(received: Topic) -> FixTable | None:
     sigma = np.column_stack((received["eph"], received["eph"], received["epv"]))
     speed_sigma = np.column_stack([received["s_variance_m_s"]] * 3)  # [m/s], whatever the field is called
     time, first = np.unique(_time(received)[kept], return_index=True)
-    tables = (table[kept][first].astype(np.float64) for table in (position, velocity, sigma, speed_sigma))
+    tables = (table[kept][first] for table in (position, velocity, sigma, speed_sigma))
     return FixTable(time, *tables)
 
 
@@ -154,14 +154,13 @@ def _headings(received: Topic) -> HeadingTable | None:
     accuracy = received.get("heading_accuracy", np.zeros(len(heading)))
     sigma = np.where(np.isfinite(accuracy), accuracy, 0.0)
     time, first = np.unique(_time(received)[kept], return_index=True)
-    angle = heading[kept][first].astype(np.float64) % math.tau
-    return HeadingTable(time, angle, sigma[kept][first].astype(np.float64))
+    return HeadingTable(time, heading[kept][first] % math.tau, sigma[kept][first])
 
 
 def _solution(topics: dict[str, Topic]) -> References:
     said = References()
     if (attitude := topics.get("vehicle_attitude")) is not None:
-        w, x, y, z = (attitude[f"q[{i}]"].astype(np.float64) for i in range(4))
+        w, x, y, z = (attitude[f"q[{i}]"] for i in range(4))
         valid = w**2 + x**2 + y**2 + z**2 > 0
         turns = Rotation.from_quat(np.column_stack((x, y, z, w))[valid])
         yaw, pitch, roll = turns.as_euler("ZYX").T
@@ -190,4 +189,8 @@ def _time(topic: Topic) -> Array:
 
 
 def _three(topic: Topic, name: str) -> Array:
-    return np.column_stack([topic[f"{name}[{i}]"].astype(np.float64) for i in range(3)])
+    return np.column_stack([topic[f"{name}[{i}]"] for i in range(3)])
+
+
+def _quiet(topic: Topic) -> Topic:
+    return {name: doubles(column) if column.dtype.kind == "f" else column for name, column in topic.items()}

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
 from http.client import HTTPConnection
 from urllib.parse import urlsplit
@@ -56,6 +59,23 @@ def test_the_page_is_for_who_knows_where_it_is(address: str) -> None:
         assert asked(elsewhere)[0] == 404
     for below in ("", "looks"):
         assert asked(address, below, host=f"{OTHER}:{url.port}")[0] == 404  # a name that leads here
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="needs root, for another user")
+def test_another_user_sees_nothing(address: str) -> None:
+    """Who connects, but does not know the address."""
+    url = urlsplit(address)
+    code = f"""
+import os, http.client, encodings.idna  # what is needed later, too: others may not read Python
+os.setgroups([]); os.setgid(65534); os.setuid(65534)
+connection = http.client.HTTPConnection("{url.hostname}", {url.port}, timeout=60)
+for path in ("/", "/looks", "/../", "//", "*"):
+    connection.request("GET", path)
+    answer = connection.getresponse()
+    assert (answer.status, b"swaying" in answer.read()) == (404, False), path
+"""
+    done = subprocess.run([sys.executable, "-S", "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_late_reader_is_told_all_and_that_it_has_ended(story: Story) -> None:

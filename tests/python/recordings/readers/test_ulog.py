@@ -165,6 +165,32 @@ def test_a_log_whose_messages_lead_back_comes_to_an_end(tmp_path: Path) -> None:
         ulog.read(path)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("topic", ["sensor_combined", "vehicle_attitude", "sensor_gps"])
+def test_bytes_that_are_a_signalling_nan_are_not_measured(tmp_path: Path, topic: str) -> None:
+    """Such as one bit of a float makes of another; the processor complains where it is computed with."""
+    place = (47.4, 8.5, 488.0, 535.0)
+    topics: dict[str, tuple[str, Rows]] = {
+        "sensor_combined": (IMU, rates()),
+        "vehicle_attitude": (ATTITUDE, [(stamp, (stamp, 0.8, 0.6, 0, 0)) for stamp in (1, 2)]),
+        "sensor_gps": (NEW_FIX, [(stamp, (stamp, *place, *MOVING, 0.8, 6, True)) for stamp in (1, 2)]),
+    }
+    (_, values), *_ = topics[topic][1]
+    path = written(tmp_path / "log.ulg", {"sensor_combined": topics["sensor_combined"], topic: topics[topic]})
+    numbers = [value for value in values if isinstance(value, float)]
+    spoilt = path.read_bytes()
+    for value in numbers:
+        spoilt = spoilt.replace(struct.pack("<f", value), b"\0\0\xa0\x7f")
+        spoilt = spoilt.replace(struct.pack("<d", value), b"\0\0\0\0\0\0\xf4\x7f")
+    assert spoilt != path.read_bytes()
+    path.write_bytes(spoilt)
+    contents = ulog.read(path)
+    assert contents.imu is not None
+    assert np.isnan(contents.imu.angular[0]).all() == (topic == "sensor_combined")
+    assert contents.reference is None
+    assert contents.gnss is None or np.isnan(contents.gnss.position).all()
+
+
 def test_damaged_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     topics = {"sensor_combined": (IMU, rates()), "vehicle_gps_position": (OLD_FIX, [])}
     assert len(refusals(ulog.read, written(tmp_path / "log.ulg", topics))) > 50
