@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -185,7 +186,7 @@ def replay_recording(
                 export(best, folder / f"track.{form.value}")
             return report.report_replay(data, folder)
 
-        files = results.write(run, written, name)
+    files = refusing_bad_input()(partial(results.write, run, written, name))
     converged = report.replay_converged(run)
     headings = report.heading_table(run)
     ends, both = outages.ends(run), report.filtered_and_smoothed(run)
@@ -194,7 +195,7 @@ def replay_recording(
         keys = ("time_s", "heading_deg", "sigma_deg")
         rows = [dict(zip(keys, map(float, row), strict=False)) for row in headings[1:]]
         about = {"recording": str(file), "converged": converged, "status": status_at_end(run)}
-        print_json({**about, "headings": rows, **_figures(run), **files})
+        print_json({**about, "headings": rows, **_figures(run), **files()})
     else:
         say_messages(run)
         print_table(headings)
@@ -203,7 +204,8 @@ def replay_recording(
         if both:
             print_table(side_by_side.table(both))
         print_verdict(report.replay_sentence(run), converged)
-        print_pairs({**report.heading_at_end(run), **report.replay_figures(run), "Report": files["report"]})
+        figures = {**report.heading_at_end(run), **report.replay_figures(run)}
+        print_pairs({**figures, "Report": lambda: files()["report"]})
     raise typer.Exit(0 if converged else 1)
 
 
