@@ -37,5 +37,5 @@ def allan(rest: AtRest) -> Figure:
             axes.set_ylabel(UNITS[sensor])
             axes.set_title(f"Allan deviation: {sensor}")
             axes.legend(loc="best")
-        drawn.suptitle(f"At rest from {rest.begin:g} to {rest.end:g} s; bands: 95 % intervals")
+        drawn.suptitle(f"At rest from {rest.begin:g} to {rest.end:g} s; bands: 95 % intervals", y=0.995)
         return drawn

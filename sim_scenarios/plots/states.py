@@ -60,7 +60,7 @@ def states(run: xr.Dataset) -> Figure:
             lowest.set_xlabel("time [s]")
             lowest.tick_params(labelbottom=True)
         what = "errors" if known else "estimates"
-        drawn.suptitle(f"States: {what} with 3 sigma (vertical scale from 20 % of the run on)")
+        drawn.suptitle(f"States: {what} with 3 sigma (vertical scale from 20 % of the run on)", y=0.995)
         return drawn
 
 
