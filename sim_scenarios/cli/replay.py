@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-import xarray as xr
 
-from sim_scenarios import report
 from sim_scenarios.cli.beginning import (
     COURSE_SPEED,
     LEVELLING,
@@ -36,15 +34,10 @@ from sim_scenarios.cli.terminal import (
 )
 from sim_scenarios.errors import InputError
 from sim_scenarios.folders import filled
-from sim_scenarios.matrix import combinations
-from sim_scenarios.metrics.status import status_at_end
-from sim_scenarios.names import file_name, file_names
-from sim_scenarios.recording import save
-from sim_scenarios.recordings import comparison, outages, side_by_side, smoothing
-from sim_scenarios.recordings.exports import Format, check, export
-from sim_scenarios.recordings.outages import Outages
-from sim_scenarios.recordings.replay import Filter, replay
-from sim_scenarios.recordings.zero_velocity import ZeroVelocity
+from sim_scenarios.recordings.choices import Filter, Format
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def replay_recording(
@@ -153,6 +146,15 @@ def replay_recording(
 
     Exit code 0 when the filter reports convergence at the end; with --axis, when all filters do.
     """
+    from sim_scenarios import report  # slow: xarray, scipy
+    from sim_scenarios.matrix import combinations
+    from sim_scenarios.metrics.status import status_at_end
+    from sim_scenarios.names import file_name
+    from sim_scenarios.recordings import outages, side_by_side, smoothing
+    from sim_scenarios.recordings.exports import check, export
+    from sim_scenarios.recordings.replay import replay
+    from sim_scenarios.recordings.zero_velocity import ZeroVelocity
+
     with refusing_bad_input():
         results = Results(output)
         for form in export_ or []:
@@ -164,7 +166,7 @@ def replay_recording(
             "start": begun,
             "filter": filter_,
             "zero_velocity": aiding,
-            "outages": None if outages_ is None else Outages(outages_, every),
+            "outages": None if outages_ is None else outages.Outages(outages_, every),
             "reference": reference,
             "evaluate_after": evaluate_after,
             "smooth": smooth,
@@ -217,6 +219,12 @@ def _side_by_side(
     as_json: bool,
 ) -> bool:
     """Replay several filters and show them; whether all report convergence."""
+    from sim_scenarios import report
+    from sim_scenarios.metrics.status import status_at_end
+    from sim_scenarios.names import file_names
+    from sim_scenarios.recording import save
+    from sim_scenarios.recordings import side_by_side, smoothing
+
     with progress(file.name) as advance:
         runs = side_by_side.replays(file, filters, progress=advance, **conditions)
     names = {label: f"{name}.nc" for label, name in file_names(runs).items()}
@@ -247,6 +255,8 @@ def _side_by_side(
 
 def _figures(run: xr.Dataset) -> dict[str, Any]:
     """What the result was worth, for machines."""
+    from sim_scenarios.recordings import comparison, outages, smoothing
+
     referred, ends = comparison.against_reference(run), outages.ends(run)
     smoothed = _figures(smoothing.solution(run)) if smoothing.is_smoothed(run) else None
     return {

@@ -192,22 +192,42 @@ def test_list() -> None:
     assert "swaying_ship" not in only
 
 
-SLOW = {"dask", "fmpy", "matplotlib", "numpy", "scipy", "xarray", "zarr"}
+SLOW = {"dask", "fmpy", "matplotlib", "numpy", "pydantic", "scipy", "xarray", "zarr"}
 
 
-@pytest.mark.parametrize(
-    "arguments", [["--help"], ["list"], ["list", "--json"], ["--version"], ["run", "--help"]]
-)
-def test_what_answers_at_once_imports_nothing_that_takes_long(arguments: list[str]) -> None:
+def said_at_once(arguments: list[str], **environment: str) -> str:
+    """What the command says, having imported nothing that takes long."""
     code = (
         "import sys, sim_scenarios.cli as cli\n"
+        "sys.argv[0] = 'truenorth'\n"
         "try: cli.main()\n"
         f"except SystemExit as end: print(end.code, sorted({SLOW} & sys.modules.keys()), file=sys.stderr)"
     )
-    command = [sys.executable, "-c", code, *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    command, env = [sys.executable, "-c", code, *arguments], {**os.environ, **environment}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True, env=env)
     assert done.stderr.splitlines()[-1] == "0 []"
-    assert done.stdout
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        *(["--help"], ["list"], ["list", "--json"], ["--version"]),
+        *([name, "--help"] for name in COMMANDS if name != "derive"),  # which has the name of an FMU
+    ],
+)
+def test_what_answers_at_once_imports_nothing_that_takes_long(arguments: list[str]) -> None:
+    assert said_at_once(arguments)
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [("run zig", "zigzag"), ("replay a.csv --zero", "--zero-velocity"), ("paper zha", "zhao")],
+)
+def test_a_completion_imports_nothing_that_takes_long(words: str, found: str) -> None:
+    number = str(len(words.split()))
+    environment = {"COMP_WORDS": f"truenorth {words}", "COMP_CWORD": number}
+    assert said_at_once([], _TRUENORTH_COMPLETE="complete_bash", **environment) == f"{found}\n"
 
 
 def test_a_verdict_waits_neither_for_pictures_nor_for_a_scheduler(tmp_path: Path) -> None:
@@ -240,6 +260,8 @@ def test_a_shell_completes_commands_options_and_scenarios(monkeypatch: pytest.Mo
     assert "--output" in completed("truenorth run --", 2)
     assert completed("truenorth run zig", 2) == ["zigzag"]
     assert completed("truenorth compare waves zig", 3) == ["zigzag"]
+    assert completed("truenorth run waves --seed 7 --json --out", 6) == ["--output"]
+    assert completed("truenorth run waves zig", 3) == []
     assert completed("truenorth campaign fau", 2) == ["faults"]
     assert completed("truenorth campaign zig", 2) == ["zigzag"]
     assert completed("truenorth paper zh", 2) == ["zhao", "zhou"]
