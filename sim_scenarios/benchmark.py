@@ -21,7 +21,8 @@ from sim_scenarios import connection, simulation
 from sim_scenarios.cosimulation import FmuSource
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
-from sim_scenarios.recordings.replay import Filter, replay
+from sim_scenarios.recordings.choices import Filter
+from sim_scenarios.recordings.replay import replay
 from sim_scenarios.recordings.start import Start
 from sim_scenarios.recordings.tables import ImuTable, Recording
 from sim_scenarios.recordings.zero_velocity import ZeroVelocity

@@ -75,7 +75,7 @@ def _plotly() -> tuple[str, str]:
     from plotly.offline import get_plotlyjs  # slow
 
     script: str = get_plotlyjs()
-    return script, base64.b64encode(gzip.compress(script.encode(), mtime=0)).decode("ascii")
+    return script, base64.b64encode(gzip.compress(script.encode(), 6, mtime=0)).decode("ascii")
 
 
 @cache

@@ -26,6 +26,7 @@ from typing import Any, Final
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from xarray.backends import ScipyDataStore
 
 from sim_scenarios import attitude
 from sim_scenarios.cosimulation import Recorded
@@ -244,7 +245,11 @@ def of_filter(data: xr.Dataset, label: str) -> xr.Dataset:
 
 def save(data: xr.Dataset, path: Path) -> None:
     """Write a data set to a netCDF file."""
-    data.to_netcdf(path, engine="scipy")
+    store = ScipyDataStore(str(path), mode="w", lock=False)  # `to_netcdf` looks for dask's scheduler: slow
+    try:
+        data.dump_to_store(store)
+    finally:
+        store.close()
 
 
 def load(path: Path) -> xr.Dataset:

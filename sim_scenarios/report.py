@@ -10,11 +10,10 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from sim_scenarios import curves
@@ -32,6 +31,9 @@ from sim_scenarios.plots.style import png
 from sim_scenarios.recording import ALIGNMENT, ERRORS, HAND_OVER, of_filter, under_way
 from sim_scenarios.recordings import comparison, outages, side_by_side, smoothing, track
 from sim_scenarios.units import ARCMIN, DEGREE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import NoReturn
+from typing import Final, NoReturn
 
 from sim_scenarios.errors import InputError
 
@@ -15,6 +15,10 @@ class Choice(str, Enum):
     def _missing_(cls, value: object) -> NoReturn:
         choices = ", ".join(one.value for one in cls)
         raise InputError(f"{cls.__name__.lower()} = {value!r}: must be one of {choices}")
+
+
+EXPORTED_STEP: Final = 0.1
+"""Communication step of an exported system [s]: ten IMU periods, so that slow importers take seconds."""
 
 
 class Order(Choice):

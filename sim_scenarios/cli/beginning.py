@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from sim_scenarios.errors import InputError
-from sim_scenarios.recordings.replay import Filter
-from sim_scenarios.recordings.start import Start
+from sim_scenarios.recordings.choices import Filter
 from sim_scenarios.units import DEGREE
+
+if TYPE_CHECKING:
+    from sim_scenarios.recordings.start import Start
 
 
 class Where(str, Enum):
@@ -56,6 +58,8 @@ def begin(
     position: tuple[float, float, float] | None = None,
 ) -> Start:
     """What these options say of the start."""
+    from sim_scenarios.recordings.start import Start  # slow: scipy
+
     if heading_sigma is not None and heading_sigma < 0:
         raise InputError(f"--heading-sigma {heading_sigma:g}: must be at least 0 deg")
     if not course_speed > 0:

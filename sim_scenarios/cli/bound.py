@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from sim_scenarios.cli.options import AsJson, Output, Scenario, Seed, Settings, SettingsFile, settings
 from sim_scenarios.cli.results import Results
 from sim_scenarios.cli.terminal import print_json, print_pairs, print_table, refusing_bad_input
@@ -32,7 +34,8 @@ def show_bound(
     with refusing_bad_input():
         results = Results(output)
         data = scenario_bound.bound(scenario, seed=seed, set=settings(set_, set_from))
-        files = results.write(data, report.report_bound, f"{data.attrs['scenario']}-bound")
+    name = f"{data.attrs['scenario']}-bound"
+    files = refusing_bad_input()(partial(results.write, data, report.report_bound, name))
     if as_json:
         steady = data.attrs.get("bound.heading_rms_steady")
         print_json(
@@ -44,11 +47,11 @@ def show_bound(
                 "leaves_out": [name for name in data.attrs["bound.leaves_out"].split(", ") if name],
                 "time_s": data["bound_time"].values.tolist(),
                 "heading_sigma_arcmin": (data["bound.heading_sigma"].values / ARCMIN).tolist(),
-                **files,
+                **files(),
             }
         )
         return
     print_table(report.bound_table(data))
     start, stop = data.attrs["evaluation.start"], data.attrs["evaluation.stop"]
     window = {"Evaluated": f"{start:g} to {stop:g} s"}
-    print_pairs({**window, **report.about_bound(data), "Report": files["report"]})
+    print_pairs({**window, **report.about_bound(data), "Report": lambda: files()["report"]})

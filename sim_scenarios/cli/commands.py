@@ -41,8 +41,12 @@ class Command(TyperCommand):
     """A subcommand."""
 
     def get_params(self, ctx: Any) -> list[Any]:
-        """Its arguments and options."""
-        return _with_defaults(super().get_params(ctx))
+        """Its arguments and options; to complete a word, what stands before it need not be understood."""
+        parameters = _with_defaults(super().get_params(ctx))
+        if ctx.resilient_parsing:
+            for one in parameters:  # of a text, typer makes a text by way of pydantic, in 0.1 s
+                one.process_value = lambda _, value: value
+        return parameters
 
 
 class Commands(TyperGroup):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -101,16 +102,16 @@ def _comparison(scenario: str, output: Output, seed: Seed, changed: dict[str, ob
         runs = simulation.compare(scenario, seed=seed, set=changed, progress=advance)
     verdicts = matrix.judged(runs)
     name = f"{runs.attrs['scenario']}-seed{runs.attrs['seed']}-comparison"
-    files = results.write(runs, report.report_comparison, name)
+    files = refusing_bad_input()(partial(results.write, runs, report.report_comparison, name))
     if as_json:
         about = {"scenario": runs.attrs["scenario"], "seed": runs.attrs["seed"]}
         filters = {label: verdict.to_json() for label, verdict in verdicts.items()}
-        print_json({**about, "filters": filters, **files})
+        print_json({**about, "filters": filters, **files()})
     else:
         say_messages(runs)
         print_table(report.comparison_table(verdicts))
         print_notes(runs.attrs["notes"])
-        print_pairs({**report.comparison_figures(runs), "Report": files["report"]})
+        print_pairs({**report.comparison_figures(runs), "Report": lambda: files()["report"]})
     return all(verdict.ok for verdict in verdicts.values())
 
 

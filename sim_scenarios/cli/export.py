@@ -23,12 +23,8 @@ from sim_scenarios.cli.options import AsJson, Seed, Settings, SettingsFile, scen
 from sim_scenarios.cli.results import Results, storing
 from sim_scenarios.cli.terminal import print_json, print_pairs, refusing_bad_input
 from sim_scenarios.errors import InputError
-from sim_scenarios.exchange import STEP, export, export_recording
-from sim_scenarios.exchange.verification import fingerprint
-from sim_scenarios.names import file_name
-from sim_scenarios.recordings.description import is_recording
-from sim_scenarios.recordings.replay import Filter
-from sim_scenarios.recordings.start import Start
+from sim_scenarios.recordings.choices import Filter
+from sim_scenarios.stepping import EXPORTED_STEP
 
 
 def export_system(
@@ -60,7 +56,7 @@ def export_system(
         float | None,
         typer.Option(
             help="Communication step of the exported system [s].",
-            show_default=f"{STEP}, or of a recording one in which no two samples come",
+            show_default=f"{EXPORTED_STEP}, or of a recording one in which no two samples come",
         ),
     ] = None,
     sign: Annotated[
@@ -93,6 +89,12 @@ def export_system(
 
     At the end it prints what to tell the partner by another way than the folder goes, for `truenorth verify`.
     """
+    from sim_scenarios.exchange import export, export_recording  # slow: xarray, scipy
+    from sim_scenarios.exchange.verification import fingerprint
+    from sim_scenarios.names import file_name
+    from sim_scenarios.recordings.description import is_recording
+    from sim_scenarios.recordings.start import Start
+
     with refusing_bad_input():
         recorded = is_recording(Path(what))
         if recorded and seed is not None:
@@ -111,7 +113,7 @@ def export_system(
                     what, folder, begun, filter=filter_, set=given, step=step, sign=sign
                 )
             else:
-                step = STEP if step is None else step
+                step = EXPORTED_STEP if step is None else step
                 system = export(what, folder, seed=seed, set=given, step=step, sign=sign)
     told = fingerprint(folder)
     files = {"ssp": str(folder / f"{system.name}.ssp"), "readme": str(folder / "README.md")}

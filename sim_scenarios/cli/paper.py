@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -24,11 +24,12 @@ from sim_scenarios.cli.terminal import (
     refusing_bad_input,
     say,
 )
-from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import reserved
-from sim_scenarios.papers import Paper, load_paper, page
-from sim_scenarios.papers.claims import Point, Swept, Timed, points
-from sim_scenarios.papers.reproduction import Plan, Plans, plans, result_of, run_plans
+
+if TYPE_CHECKING:
+    from sim_scenarios.papers import Paper, page
+    from sim_scenarios.papers.claims import Point, Timed
+    from sim_scenarios.papers.reproduction import Plan, Plans
 
 Name = Annotated[
     str,
@@ -76,11 +77,16 @@ def reproduce_paper(
 
     Exit code 0 when all runs are done, whatever they say.
     """
+    from sim_scenarios.papers import load_paper  # slow: xarray, scipy
+
     with refusing_bad_input():
         paper = load_paper(name)
     if listing:
         _list(paper, as_json)
         return
+    from sim_scenarios.papers import page
+    from sim_scenarios.papers.claims import Swept, points
+    from sim_scenarios.papers.reproduction import plans, result_of, run_plans
     from sim_scenarios.studies import execution  # slow: Dask
 
     with refusing_bad_input():
@@ -161,6 +167,8 @@ def _timed(plan: Plan) -> Timed | None:
     if not plan.experiment.time:
         return None
     from sim_scenarios.benchmark import filter_steps  # slow: readers of recordings
+    from sim_scenarios.fmus import Fmus
+    from sim_scenarios.papers.claims import Timed
 
     return Timed(plan.experiment, filter_steps(plan.scenario, Fmus()))
 

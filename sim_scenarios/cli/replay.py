@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-import xarray as xr
 
-from sim_scenarios import report
 from sim_scenarios.cli.beginning import (
     COURSE_SPEED,
     LEVELLING,
@@ -35,15 +34,10 @@ from sim_scenarios.cli.terminal import (
 )
 from sim_scenarios.errors import InputError
 from sim_scenarios.folders import filled
-from sim_scenarios.matrix import combinations
-from sim_scenarios.metrics.status import status_at_end
-from sim_scenarios.names import file_name, file_names
-from sim_scenarios.recording import save
-from sim_scenarios.recordings import comparison, outages, side_by_side, smoothing
-from sim_scenarios.recordings.exports import Format, check, export
-from sim_scenarios.recordings.outages import Outages
-from sim_scenarios.recordings.replay import Filter, replay
-from sim_scenarios.recordings.zero_velocity import ZeroVelocity
+from sim_scenarios.recordings.choices import Filter, Format
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def replay_recording(
@@ -152,6 +146,15 @@ def replay_recording(
 
     Exit code 0 when the filter reports convergence at the end; with --axis, when all filters do.
     """
+    from sim_scenarios import report  # slow: xarray, scipy
+    from sim_scenarios.matrix import combinations
+    from sim_scenarios.metrics.status import status_at_end
+    from sim_scenarios.names import file_name
+    from sim_scenarios.recordings import outages, side_by_side, smoothing
+    from sim_scenarios.recordings.exports import check, export
+    from sim_scenarios.recordings.replay import replay
+    from sim_scenarios.recordings.zero_velocity import ZeroVelocity
+
     with refusing_bad_input():
         results = Results(output)
         for form in export_ or []:
@@ -163,7 +166,7 @@ def replay_recording(
             "start": begun,
             "filter": filter_,
             "zero_velocity": aiding,
-            "outages": None if outages_ is None else Outages(outages_, every),
+            "outages": None if outages_ is None else outages.Outages(outages_, every),
             "reference": reference,
             "evaluate_after": evaluate_after,
             "smooth": smooth,
@@ -185,7 +188,7 @@ def replay_recording(
                 export(best, folder / f"track.{form.value}")
             return report.report_replay(data, folder)
 
-        files = results.write(run, written, name)
+    files = refusing_bad_input()(partial(results.write, run, written, name))
     converged = report.replay_converged(run)
     headings = report.heading_table(run)
     ends, both = outages.ends(run), report.filtered_and_smoothed(run)
@@ -194,7 +197,7 @@ def replay_recording(
         keys = ("time_s", "heading_deg", "sigma_deg")
         rows = [dict(zip(keys, map(float, row), strict=False)) for row in headings[1:]]
         about = {"recording": str(file), "converged": converged, "status": status_at_end(run)}
-        print_json({**about, "headings": rows, **_figures(run), **files})
+        print_json({**about, "headings": rows, **_figures(run), **files()})
     else:
         say_messages(run)
         print_table(headings)
@@ -203,7 +206,8 @@ def replay_recording(
         if both:
             print_table(side_by_side.table(both))
         print_verdict(report.replay_sentence(run), converged)
-        print_pairs({**report.heading_at_end(run), **report.replay_figures(run), "Report": files["report"]})
+        figures = {**report.heading_at_end(run), **report.replay_figures(run)}
+        print_pairs({**figures, "Report": lambda: files()["report"]})
     raise typer.Exit(0 if converged else 1)
 
 
@@ -215,6 +219,12 @@ def _side_by_side(
     as_json: bool,
 ) -> bool:
     """Replay several filters and show them; whether all report convergence."""
+    from sim_scenarios import report
+    from sim_scenarios.metrics.status import status_at_end
+    from sim_scenarios.names import file_names
+    from sim_scenarios.recording import save
+    from sim_scenarios.recordings import side_by_side, smoothing
+
     with progress(file.name) as advance:
         runs = side_by_side.replays(file, filters, progress=advance, **conditions)
     names = {label: f"{name}.nc" for label, name in file_names(runs).items()}
@@ -245,6 +255,8 @@ def _side_by_side(
 
 def _figures(run: xr.Dataset) -> dict[str, Any]:
     """What the result was worth, for machines."""
+    from sim_scenarios.recordings import comparison, outages, smoothing
+
     referred, ends = comparison.against_reference(run), outages.ends(run)
     smoothed = _figures(smoothing.solution(run)) if smoothing.is_smoothed(run) else None
     return {

@@ -70,14 +70,15 @@ def run_scenario(
                 run = simulate(progress=advance)
         verdict = judge(run)
         name = f"{run.attrs['scenario']}-seed{run.attrs['seed']}"
-        files = results.write(run, report.report_run, name)
+    files = refusing_bad_input()(partial(results.write, run, report.report_run, name))
     if as_json:
         about = {"scenario": run.attrs["scenario"], "seed": run.attrs["seed"]}
-        print_json({**about, **verdict.to_json(), **files})
+        print_json({**about, **verdict.to_json(), **files()})
     else:
         say_messages(run)
         print_verdict(verdict.sentence(), verdict.ok)
         start, stop = run.attrs["evaluation.start"], run.attrs["evaluation.stop"]
         window = {"Evaluated": f"{start:g} to {stop:g} s"}
-        print_pairs({**window, **report.run_figures(run, verdict), "Report": files["report"]})
+        figures = report.run_figures(run, verdict)
+        print_pairs({**window, **figures, "Report": lambda: files()["report"]})
     raise typer.Exit(0 if verdict.ok else 1)

@@ -184,10 +184,11 @@ def print_table(rows: list[list[str]], output: Console | None = None) -> None:
             page.print(f"  {title}: {cell}", highlight=False, markup=False)
 
 
-def print_pairs(pairs: Mapping[str, str]) -> None:
-    """A name and a value on each line."""
+def print_pairs(pairs: Mapping[str, str | Callable[[], str]]) -> None:
+    """A name and a value on each line; what takes long is a function, called when it is its turn."""
     output, width = console(), max(map(len, pairs))
-    for name, value in pairs.items():
+    for name, given in pairs.items():
+        value = given() if callable(given) else given
         output.print(f"{name:<{width}}  {value}", soft_wrap=True, highlight=False, markup=False)
 
 

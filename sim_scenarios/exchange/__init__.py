@@ -40,22 +40,20 @@ from sim_scenarios.exchange.signature import Sign, signer
 from sim_scenarios.exchange.system import Component, System, of_scenario
 from sim_scenarios.fmus import PLAYBACK, Fmus
 from sim_scenarios.folders import filled, filling_temporary, temporary
+from sim_scenarios.recordings.choices import Filter
 from sim_scenarios.recordings.description import load
-from sim_scenarios.recordings.replay import Filter
 from sim_scenarios.recordings.replay import replay as replay_recording
 from sim_scenarios.recordings.start import Start
 from sim_scenarios.recordings.tables import Recording
 from sim_scenarios.scenario import Scenario, load_scenario
 from sim_scenarios.scenario.tables import FILTER
 from sim_scenarios.simulation import run_filters
-from sim_scenarios.stepping import Order
+from sim_scenarios.stepping import EXPORTED_STEP, Order
 
 __all__ = ["Component", "System", "export", "export_recording"]
 
 SKELETONS = "skeleton"
 """Folder of the beginnings of input files, for signals of one's own."""
-STEP = 0.1
-"""Communication step of the exported system [s]: ten IMU periods, so that slow importers take seconds."""
 
 
 def export(
@@ -64,7 +62,7 @@ def export(
     *,
     seed: int | None = None,
     set: Mapping[str, object] | None = None,  # noqa: A002  (the word of the command line)
-    step: float = STEP,
+    step: float = EXPORTED_STEP,
     fmus: Fmus | None = None,
     sign: Path | None = None,
 ) -> System:

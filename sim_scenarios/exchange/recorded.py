@@ -17,8 +17,9 @@ from sim_scenarios.exchange.system import PLANT, Plan, System, connected_system
 from sim_scenarios.fmus import PLAYBACK, Fmu, Fmus, Number
 from sim_scenarios.names import file_name
 from sim_scenarios.recordings import reference as references
+from sim_scenarios.recordings.choices import Filter
 from sim_scenarios.recordings.feed import SAME_MOMENT, Feed, feed
-from sim_scenarios.recordings.replay import Filter, believed, parts_of, values_of
+from sim_scenarios.recordings.replay import believed, parts_of, values_of
 from sim_scenarios.recordings.start import Start, beginning
 from sim_scenarios.recordings.tables import Recording, ReferenceTable
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from sim_scenarios.plots.style import BODY_AXES, COLOURS, INK, figure
 from sim_scenarios.recordings.allan import allan_deviation
 from sim_scenarios.recordings.at_rest import AtRest
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 UNITS: Final = {"gyro": "rad/s", "accelerometer": "m/s2"}
 
@@ -35,5 +37,5 @@ def allan(rest: AtRest) -> Figure:
             axes.set_ylabel(UNITS[sensor])
             axes.set_title(f"Allan deviation: {sensor}")
             axes.legend(loc="best")
-        drawn.suptitle(f"At rest from {rest.begin:g} to {rest.end:g} s; bands: 95 % intervals")
+        drawn.suptitle(f"At rest from {rest.begin:g} to {rest.end:g} s; bands: 95 % intervals", y=0.995)
         return drawn

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from sim_scenarios.metrics.statistics import chi_square_interval, is_measured, measured_channels
 from sim_scenarios.plots.style import (
@@ -21,6 +19,10 @@ from sim_scenarios.plots.style import (
     largest,
     limit,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 USED: dict[str, Any] = {"color": BLUE, "ms": 3.5, "label": "used"}
 REJECTED: dict[str, Any] = {"color": ORANGE, "ms": 6, "mew": 1.6, "label": "rejected"}

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from sim_scenarios.metrics.statistics import sigma_of_heading
 from sim_scenarios.plots.style import (
@@ -22,6 +22,10 @@ from sim_scenarios.plots.style import (
 )
 from sim_scenarios.recording import ALIGNMENT, HAND_OVER
 from sim_scenarios.units import ARCMIN, DEGREE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 BOUND = "bound.heading_sigma"
 STEADY_BOUND = "bound.heading_sigma_steady"

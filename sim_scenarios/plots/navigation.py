@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from sim_scenarios.attitude import wrap
 from sim_scenarios.plots.style import BLUE, ORANGE, figure, largest, lines, shade_window
 from sim_scenarios.units import ARCMIN
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

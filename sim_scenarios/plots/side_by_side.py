@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from sim_scenarios.attitude import wrap
 from sim_scenarios.plots.style import figure, lines
 from sim_scenarios.recordings import comparison, outages
 from sim_scenarios.recordings.track import navigates_from
 from sim_scenarios.units import DEGREE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Runs = Mapping[str, xr.Dataset]
 

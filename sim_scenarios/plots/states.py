@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from sim_scenarios.attitude import wrap
 from sim_scenarios.plots.style import BAND, BLUE, BODY_AXES, INK, NAVIGATION_AXES, figure, largest, limit
 from sim_scenarios.units import ARCMIN, DEGREE, HOUR, STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -58,7 +60,7 @@ def states(run: xr.Dataset) -> Figure:
             lowest.set_xlabel("time [s]")
             lowest.tick_params(labelbottom=True)
         what = "errors" if known else "estimates"
-        drawn.suptitle(f"States: {what} with 3 sigma (vertical scale from 20 % of the run on)")
+        drawn.suptitle(f"States: {what} with 3 sigma (vertical scale from 20 % of the run on)", y=0.995)
         return drawn
 
 

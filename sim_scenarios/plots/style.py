@@ -9,15 +9,15 @@ import io
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from itertools import cycle
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 WIDTH = 10.0  # inch
 INK = "#24292f"
@@ -45,6 +45,7 @@ STYLE: dict[Any, Any] = {
     "axes.spines.right": False,
     "axes.titlelocation": "left",
     "axes.titlesize": 11,
+    "axes.titley": 1.0,
     "axes.labelsize": 9,
     "xtick.labelsize": 9,
     "ytick.labelsize": 9,
@@ -57,6 +58,8 @@ STYLE: dict[Any, Any] = {
 
 def png(drawn: Figure) -> bytes:
     """A figure as PNG, drawn once; `savefig` draws it twice when it has a layout."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     buffer = io.BytesIO()
     drawn.set_dpi(110)
     FigureCanvasAgg(drawn).print_png(buffer)
@@ -68,8 +71,12 @@ def figure(
     *, rows: int, height: float, columns: int = 1, sharex: bool = False
 ) -> Iterator[tuple[Figure, list[Axes]]]:
     """A figure and its axes in reading order."""
+    import matplotlib as mpl  # slow: a verdict stands before it
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import TightLayoutEngine  # half the time of the constrained one
+
     with mpl.rc_context(STYLE):
-        drawn = Figure(figsize=(WIDTH, height), layout="constrained")
+        drawn = Figure(figsize=(WIDTH, height), layout=TightLayoutEngine(pad=0.4))
         axes = drawn.subplots(rows, columns, sharex=sharex, squeeze=False)
         yield drawn, list(axes.flat)
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from sim_scenarios.earth import displacement
 from sim_scenarios.plots.style import BLUE, GREEN, INK, ORANGE, PURPLE, figure
@@ -13,6 +14,9 @@ from sim_scenarios.recordings.outages import End
 from sim_scenarios.recordings.smoothing import is_smoothed, solution
 from sim_scenarios.recordings.track import navigates_from, positions
 from sim_scenarios.units import DEGREE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def track(run: xr.Dataset) -> Figure:

@@ -16,24 +16,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sim_scenarios.recordings import mcap, track
+from sim_scenarios.recordings.choices import Format
 from sim_scenarios.recordings.readers.gps_time import WEEK
-from sim_scenarios.stepping import Choice
 from sim_scenarios.units import DEGREE
 
 Array = NDArray[np.float64]
 
 FLOAT: Final = 2
 """RTKLIB's quality of a solution that is not fixed to whole wavelengths."""
-
-
-class Format(Choice):
-    """Kind of a file, and its ending."""
-
-    csv = "csv"
-    gpx = "gpx"
-    kml = "kml"
-    mcap = "mcap"
-    pos = "pos"
 
 
 def export(run: xr.Dataset, path: Path) -> Path:

@@ -25,9 +25,9 @@ from sim_scenarios.cosimulation import Progress
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.recordings.allan import CONFIDENCE
+from sim_scenarios.recordings.choices import Filter
 from sim_scenarios.recordings.fixes import selected, velocities
 from sim_scenarios.recordings.noise_fit import CHANCE, Estimate
-from sim_scenarios.recordings.replay import Filter
 from sim_scenarios.recordings.replay import replay as replayed
 from sim_scenarios.recordings.scoring import Loss, descend
 from sim_scenarios.recordings.stamps import period

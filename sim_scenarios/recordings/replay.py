@@ -28,13 +28,14 @@ from sim_scenarios.fmus import ALIGNMENT_FILTER, NAVIGATION_FILTER, Fmu, Fmus, N
 from sim_scenarios.instance import Instance
 from sim_scenarios.recordings import checks, fixes, smoothing
 from sim_scenarios.recordings import reference as references
+from sim_scenarios.recordings.choices import Filter
 from sim_scenarios.recordings.description import load
 from sim_scenarios.recordings.feed import Feed, feed
 from sim_scenarios.recordings.outages import Outages, within
 from sim_scenarios.recordings.start import Beginning, Start, beginning
 from sim_scenarios.recordings.tables import FixTable, Recording, ReferenceTable
 from sim_scenarios.recordings.zero_velocity import ZeroVelocity
-from sim_scenarios.stepping import Choice, Order
+from sim_scenarios.stepping import Order
 from sim_scenarios.version import product_version
 
 Array = NDArray[np.float64]
@@ -61,14 +62,6 @@ NO_COARSE_STAGE: Final = (
     "no fix has both position and velocity whole, as the coarse stage needs: the alignment begins without it "
     "(coarse.enabled = false)"
 )
-
-
-class Filter(Choice):
-    """What a recording goes through."""
-
-    alignment = "alignment"
-    navigation = "navigation"
-    align_then_navigate = "align_then_navigate"
 
 
 def replay(

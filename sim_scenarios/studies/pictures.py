@@ -30,6 +30,7 @@ def draw(case: CaseSummary, path: Path) -> list[Path]:
         _consistency(case, {k: f.nis_course for k, f in case.filters.items()}, nis, "NIS / channels")
         for panel in (error, nees, nis):
             _make_logarithmic(panel)
+        figure.set_layout_engine("constrained")  # which alone makes room for a legend outside
         figure.legend(loc="outside lower center", ncols=3)
         files = [path.with_name(f"{path.name}.{kind}") for kind in ("png", "svg")]
         for file in files:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -14,7 +16,7 @@ import xarray as xr
 from rich.console import Console
 from typer.testing import CliRunner, Result
 
-from sim_scenarios import catalogue
+from sim_scenarios import catalogue, report
 from sim_scenarios.cli import terminal
 from sim_scenarios.cli.application import app
 from sim_scenarios.cli.commands import COMMANDS, command
@@ -74,6 +76,29 @@ def test_a_fault_is_set_and_named_beside_the_bound(tmp_path: Path) -> None:
     assert result.exit_code in (0, 1), result.stderr
     (line,) = (line for line in result.stdout.splitlines() if line.startswith("Bound leaves out"))
     assert line.split()[3:] == ["fault.imu.kind"]
+
+
+@pytest.mark.usefixtures("fmus")
+@pytest.mark.parametrize(
+    ("command", "drawing", "verdict"),
+    [
+        ("run", "report_run", "Not converged"),
+        ("compare", "report_comparison", "robust UKF"),
+        ("bound", "report_bound", "Cramer-Rao bound"),
+    ],
+)
+def test_what_was_found_stands_before_the_report_is_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str, drawing: str, verdict: str
+) -> None:
+    def full(*_: object) -> Path:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(report, drawing, full)
+    result = truenorth(command, "zigzag", *SHORT, "-o", tmp_path)
+    assert result.exit_code == 2
+    assert verdict in result.stdout
+    assert "Report" not in result.stdout
+    assert "No space left" in result.stderr
 
 
 @pytest.mark.usefixtures("fmus")
@@ -167,22 +192,54 @@ def test_list() -> None:
     assert "swaying_ship" not in only
 
 
-SLOW = {"dask", "fmpy", "matplotlib", "numpy", "scipy", "xarray", "zarr"}
+SLOW = {"dask", "fmpy", "matplotlib", "numpy", "pydantic", "scipy", "xarray", "zarr"}
 
 
-@pytest.mark.parametrize(
-    "arguments", [["--help"], ["list"], ["list", "--json"], ["--version"], ["run", "--help"]]
-)
-def test_what_answers_at_once_imports_nothing_that_takes_long(arguments: list[str]) -> None:
+def said_at_once(arguments: list[str], **environment: str) -> str:
+    """What the command says, having imported nothing that takes long."""
     code = (
         "import sys, sim_scenarios.cli as cli\n"
+        "sys.argv[0] = 'truenorth'\n"
         "try: cli.main()\n"
         f"except SystemExit as end: print(end.code, sorted({SLOW} & sys.modules.keys()), file=sys.stderr)"
     )
-    command = [sys.executable, "-c", code, *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    command, env = [sys.executable, "-c", code, *arguments], {**os.environ, **environment}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True, env=env)
     assert done.stderr.splitlines()[-1] == "0 []"
-    assert done.stdout
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        *(["--help"], ["list"], ["list", "--json"], ["--version"]),
+        *([name, "--help"] for name in COMMANDS if name != "derive"),  # which has the name of an FMU
+    ],
+)
+def test_what_answers_at_once_imports_nothing_that_takes_long(arguments: list[str]) -> None:
+    assert said_at_once(arguments)
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [("run zig", "zigzag"), ("replay a.csv --zero", "--zero-velocity"), ("paper zha", "zhao")],
+)
+def test_a_completion_imports_nothing_that_takes_long(words: str, found: str) -> None:
+    number = str(len(words.split()))
+    environment = {"COMP_WORDS": f"truenorth {words}", "COMP_CWORD": number}
+    assert said_at_once([], _TRUENORTH_COMPLETE="complete_bash", **environment) == f"{found}\n"
+
+
+def test_a_verdict_waits_neither_for_pictures_nor_for_a_scheduler(tmp_path: Path) -> None:
+    code = (
+        "import sys, xarray\nfrom pathlib import Path\n"
+        "from sim_scenarios import recording, report, simulation\n"
+        f"recording.save(xarray.Dataset({{'one': ('time', [1.0])}}), Path({str(tmp_path / 'one.nc')!r}))\n"
+        "print(sorted({'distributed', 'matplotlib', 'plotly'} & sys.modules.keys()))"
+    )
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout == "[]\n"
 
 
 def test_the_help_tells_of_every_command_what_its_own_help_begins_with() -> None:
@@ -203,6 +260,8 @@ def test_a_shell_completes_commands_options_and_scenarios(monkeypatch: pytest.Mo
     assert "--output" in completed("truenorth run --", 2)
     assert completed("truenorth run zig", 2) == ["zigzag"]
     assert completed("truenorth compare waves zig", 3) == ["zigzag"]
+    assert completed("truenorth run waves --seed 7 --json --out", 6) == ["--output"]
+    assert completed("truenorth run waves zig", 3) == []
     assert completed("truenorth campaign fau", 2) == ["faults"]
     assert completed("truenorth campaign zig", 2) == ["zigzag"]
     assert completed("truenorth paper zh", 2) == ["zhao", "zhou"]
