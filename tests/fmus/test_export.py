@@ -23,13 +23,14 @@ from lxml import etree
 from typer.testing import CliRunner
 
 from sim_scenarios.cli.application import app
-from sim_scenarios.exchange import STEP, System, export
+from sim_scenarios.exchange import System, export
 from sim_scenarios.exchange.evidence import FOLDER
 from sim_scenarios.exchange.forms import FORMS, Form
 from sim_scenarios.exchange.system import of_scenario
 from sim_scenarios.fmus import Fmu, Fmus
 from sim_scenarios.instance import Instance
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.stepping import EXPORTED_STEP
 
 SCHEMAS = Path(fmpy.__file__).parent / "ssp" / "schema"
 SCHEMAS_OF_SSP_2 = Path(pyssp_standard.__file__).parent / "resources" / "ssp2"
@@ -120,7 +121,7 @@ def test_fmpy_repeats_the_hand_over_of_the_reference_results(aligned: tuple[Syst
     navigates = [float(row["heading_sigma"]) > 0 for row in reference]
     assert navigates == [False] * 7 + [True] * (len(reference) - 7)  # a row each second
     archive = str(folder / f"{system.name}.ssp")
-    result = simulate_ssp(archive, stop_time=SHORT["duration"], step_size=STEP)
+    result = simulate_ssp(archive, stop_time=SHORT["duration"], step_size=EXPORTED_STEP)
     for name in ("nav.heading", "heading_sigma", "nav.latitude", "nav.velocity[1]"):
         assert result[f"filter.{name}"][-1] == pytest.approx(float(reference[-1][name]), rel=1e-12)
 
@@ -171,7 +172,7 @@ def test_enumerations_have_the_names_of_their_items(folder: Path) -> None:
 def test_what_is_set_is_in_the_fmu(folder: Path, fmus: Fmus, form: Form) -> None:
     """In modelDescription.xml and in the file that the binary reads; nothing else differs from the FMU."""
     system = of_scenario(
-        load_scenario("swaying_ship", fmus, settings={**SHORT, "communication_step": STEP}), fmus
+        load_scenario("swaying_ship", fmus, settings={**SHORT, "communication_step": EXPORTED_STEP}), fmus
     )
     for component in system.components:
         description = fmpy.read_model_description(folder / form.name / f"{component.fmu.name}.fmu")
@@ -244,7 +245,7 @@ def test_an_importer_goes_on_from_the_state_at_the_end(folder: Path) -> None:
         instance.restore(state)
         for name in ("nav.heading", "heading_sigma"):
             assert instance.read([name]) == [float(last[name])]
-        instance.step(SHORT["duration"], STEP)
+        instance.step(SHORT["duration"], EXPORTED_STEP)
 
 
 def test_a_skeleton_begins_as_the_inputs_do(folder: Path) -> None:
@@ -279,7 +280,7 @@ def test_a_filter_alone_needs_no_counts(folder: Path, tmp_path: Path) -> None:
         ]
         command += [
             "--output-interval",
-            str(STEP),
+            str(EXPORTED_STEP),
             "--output-variables",
             "nav.heading",
             "heading_sigma",
@@ -296,7 +297,7 @@ def test_the_evidence_is_that_of_the_fmus_and_settings(folder: Path, fmus: Fmus)
     said = json.loads((folder / "provenance.json").read_text())
     assert said["scenario"] == "swaying_ship"
     assert said["settings"] == {**SHORT, "seed": None}
-    assert said["communication_step"] == STEP
+    assert said["communication_step"] == EXPORTED_STEP
     assert said["stop_time"] == SHORT["duration"]
     built = {name: hashlib.sha256(fmus[name].path.read_bytes()).hexdigest() for name in said["fmus"]}
     assert built.keys() == {"TruthPlant", "AlignmentFilter"}

@@ -29,7 +29,6 @@ from typer.testing import CliRunner
 
 from sim_scenarios import Start
 from sim_scenarios.cli.application import app
-from sim_scenarios.exchange import STEP
 from sim_scenarios.exchange.forms import FMI2, FMI3, Form
 from sim_scenarios.exchange.recorded import of_recording
 from sim_scenarios.exchange.replay import ATOM
@@ -37,8 +36,9 @@ from sim_scenarios.exchange.system import System, of_scenario
 from sim_scenarios.exchange.verification import TOLERANCE
 from sim_scenarios.fmus import Fmu, Fmus
 from sim_scenarios.recordings import load as load_recording
-from sim_scenarios.recordings.replay import Filter
+from sim_scenarios.recordings.choices import Filter
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.stepping import EXPORTED_STEP
 
 
 def test_the_page_is_made_of_what_was_measured() -> None:
@@ -110,7 +110,7 @@ def exported(
         recording = load_recording(file)
         options = {"task": Filter.alignment, "settings": {}, "fmus": fmus}
         return Exported(scenario, folder, of_recording(recording, Start(), file.parent, **options))
-    loaded = load_scenario(scenario, fmus, settings={"communication_step": STEP, **changed})
+    loaded = load_scenario(scenario, fmus, settings={"communication_step": EXPORTED_STEP, **changed})
     return Exported(scenario, folder, of_scenario(loaded, fmus))
 
 
