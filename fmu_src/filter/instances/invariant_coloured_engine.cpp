@@ -2,7 +2,6 @@
 
 namespace truenorth {
 
-template class Engine<Invariant<true>>;
 template class InvariantEngine<true>;
 
 }  // namespace truenorth

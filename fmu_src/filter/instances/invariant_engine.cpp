@@ -2,7 +2,6 @@
 
 namespace truenorth {
 
-template class Engine<Invariant<false>>;
 template class InvariantEngine<false>;
 
 }  // namespace truenorth
