@@ -15,6 +15,8 @@ from calls import Fmu
 from fmpy.validation import validate_fmu
 from lxml import etree
 
+from sim_scenarios.html import policy
+
 HEADER = Path(fmpy.__file__).parent / "c-code" / "fmi2Functions.h"
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
 
@@ -125,6 +127,8 @@ def test_the_page_names_every_variable_and_loads_nothing(fmu: Fmu) -> None:
     for name in {re.sub(r"\[.*", "", name) for name in fmu.variables}:
         assert f"<code>{name}" in page
     assert not re.search(r"<(script|link|img|iframe)\b|url\(", page)
+    allowed = f'<meta http-equiv="Content-Security-Policy" content="{policy([])}">'
+    assert allowed in page.partition("<style>")[0]  # a policy holds for what stands behind it
     assert 'name="viewport"' in page
 
 
