@@ -67,6 +67,9 @@ def bill_of_fmu(
     runtime : mapping of str to str
         Versions of what the compiler links in of its own, empty where they are not known.
     """
+    known = {one.begin.rstrip("/") for one in LIBRARIES}
+    if unknown := sorted({folder.name for folder in libraries} - known):
+        raise SystemExit(f"{', '.join(unknown)}: must have a line in LIBRARIES of parts.py")
     root, names = ET.parse(description).getroot(), list(sources)
     subject = materials.part(
         root.attrib["modelName"], root.attrib["license"], root.attrib["version"], group="TrueNorth"

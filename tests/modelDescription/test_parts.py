@@ -85,6 +85,11 @@ def test_what_cereal_brings_is_in_it_when_it_is_compiled_in(
     assert part == {"type": "library", "name": name, "version": version, "licenses": [licence]}
 
 
+def test_a_library_of_which_nothing_is_known_is_refused(folder: Path) -> None:
+    with pytest.raises(SystemExit, match=r"boost: must have a line in LIBRARIES of parts\.py"):
+        bill_of_fmu(folder / "modelDescription.xml", COMPILED, [folder], [folder / "boost"], {})
+
+
 def test_what_the_compiler_links_in_has_a_licence(folder: Path) -> None:
     parts = by_name(text(folder, runtime={"libstdc++": "12.2.0", "libgcc": "", "mingw-w64": ""}))
     exception = [{"expression": "GPL-3.0-or-later WITH GCC-exception-3.1"}]
