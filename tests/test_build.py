@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from parts import bill_of_wheel
 from scikit_build_core.build import prepare_metadata_for_build_wheel
 
 from sim_scenarios import toml
@@ -147,3 +148,16 @@ def test_the_metadata_of_the_wheel_has_the_licences_of_all_parts(
     assert set(expression.split(" AND ")) == parts
     texts = {path.name for path in (folder / "licenses").rglob("*.txt")}
     assert texts == {path.name for path in (ROOT / "modelDescription/documentation/licenses").iterdir()}
+
+
+def test_the_bill_of_materials_of_the_wheel_asks_for_what_its_metadata_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    folder = tmp_path / prepare_metadata_for_build_wheel(str(tmp_path), {"wheel.cmake": "false"})
+    metadata = (folder / "METADATA").read_text("utf-8")
+    bill = json.loads(bill_of_wheel(ROOT / "pyproject.toml", {}))
+    named = {part["name"] for part in bill["components"]}
+    lines = re.findall(r"^Requires-Dist: (.*)", metadata, re.M)
+    assert named == {re.split(r"[^\w.-]", line)[0] for line in lines if 'extra == "dev"' not in line}
+    assert f"Version: {bill['metadata']['component']['version']}\n" in metadata

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -14,6 +15,10 @@ import vdmcheck
 from calls import Fmu
 from fmpy.validation import validate_fmu
 from lxml import etree
+
+from sim_scenarios import materials
+from sim_scenarios.archives import read_archive
+from sim_scenarios.html import policy
 
 HEADER = Path(fmpy.__file__).parent / "c-code" / "fmi2Functions.h"
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
@@ -120,11 +125,38 @@ def test_content(fmu: Fmu) -> None:
     assert "cereal" in (fmu.folder / "documentation/licenses/third_party.txt").read_text()
 
 
+@pytest.mark.parametrize("version", [2, 3])
+def test_every_binary_has_a_bill_of_materials(archive: Path, version: int) -> None:
+    path = archive if version == 2 else archive.parent / "fmi3" / archive.name
+    members = read_archive(path)
+    platforms = {name.split("/")[1] for name in members if name.startswith("binaries/")}
+    names = {name for name in members if name.endswith(".cdx.json")}
+    assert names == {materials.name_in_fmu(platform) for platform in platforms}
+    eigen = members["sources/Eigen/src/Core/util/Macros.h"].decode()
+    for name in names:
+        bill = json.loads(members[name])
+        assert (bill["bomFormat"], bill["specVersion"], bill["version"]) == ("CycloneDX", "1.5", 1)
+        assert bill.keys() == {"bomFormat", "specVersion", "version", "metadata", "components"}
+        subject = bill["metadata"]["component"]
+        description = etree.fromstring(members["modelDescription.xml"])
+        assert (subject["name"], subject["version"]) == (archive.stem, description.get("version"))
+        assert subject["licenses"] == [{"license": {"id": description.get("license")}}]
+        parts = {part["name"]: part for part in bill["components"]}
+        assert parts.keys() >= {"Eigen", "cereal", f"FMI {version} headers"}
+        assert parts.keys() & {"libstdc++", "libc++"}  # the binary needs none of the machine
+        assert ("RapidJSON" in parts) == any("/rapidjson/" in member for member in members)
+        for number in parts["Eigen"]["version"].split("."):
+            assert re.search(rf"_VERSION {number}\n", eigen)
+        assert all(part["type"] == "library" and part["licenses"] for part in parts.values())
+
+
 def test_the_page_names_every_variable_and_loads_nothing(fmu: Fmu) -> None:
     page = (fmu.folder / "documentation/index.html").read_text()
     for name in {re.sub(r"\[.*", "", name) for name in fmu.variables}:
         assert f"<code>{name}" in page
     assert not re.search(r"<(script|link|img|iframe)\b|url\(", page)
+    allowed = f'<meta http-equiv="Content-Security-Policy" content="{policy([])}">'
+    assert allowed in page.partition("<style>")[0]  # a policy holds for what stands behind it
     assert 'name="viewport"' in page
 
 
