@@ -13,7 +13,6 @@ from made_up import run_with
 from typer.testing import CliRunner
 
 from sim_scenarios.catalogue import papers
-from sim_scenarios.cli import paper as command
 from sim_scenarios.cli.application import app
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
@@ -347,7 +346,7 @@ def test_an_interrupted_paper_goes_on_in_the_same_folder(
         (folder / "runs").mkdir(exist_ok=True)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "plans", stopped)
+    monkeypatch.setattr("sim_scenarios.papers.reproduction.plans", stopped)
     for _ in range(2):
         result = CliRunner().invoke(app, ["paper", "zhou"])
         assert "in truenorth-results/paper-zhou runs that are done are kept" in result.stderr
