@@ -26,7 +26,7 @@ inline bool possible(const NavigationState& state) {
 
 template <class Interface, class... Engines>
 void InertialFilter<Interface, Engines...>::publish() {
-    std::visit([this](const auto& engine) { publish(engine, engine.best()); }, engine_);
+    std::visit([this](const auto& engine) { this->publish(engine, engine.best()); }, engine_);
 }
 
 template <class Interface, class... Engines>
@@ -37,7 +37,7 @@ void InertialFilter<Interface, Engines...>::publish_if_possible() {
             if (!status_.faulted() && !possible(best)) {
                 fault("the navigation state is not finite, or nowhere near the Earth");
             }
-            publish(engine, best);
+            this->publish(engine, best);
         },
         engine_);
 }
