@@ -236,7 +236,7 @@ class Fragment(_Strict):
 
     def in_settings(self) -> list[Variable]:
         """The parameters of the groups in `settings`."""
-        return [v for v in self.of("parameter", "tunable") if len(v.path) == 2 and v.path[0] in self.settings]
+        return [v for v in self.of("parameter", "tunable") if v.path[0] in self.settings]
 
 
 class Declaration(Fragment):

@@ -73,10 +73,12 @@ def settings_header(name: str) -> str:
 def _settings(file: str, content: Table) -> Fragment:
     fragment: Fragment = _validated(Fragment, file, content)
     for group in fragment.settings:
-        variables = [v for v in fragment.in_settings() if v.path[0] == group]
+        variables = [v for v in fragment.of("parameter", "tunable") if v.path[0] == group]
         if not variables:
             raise DeclarationError(f"{file}: settings: no parameter of the file is in the group '{group}'")
         for v in variables:
+            if len(v.path) != 2:
+                raise DeclarationError(f"{file}: variable '{v.name}': settings have no groups within groups")
             if v.type not in (*PLAIN_TYPES, *fragment.enumeration):
                 raise DeclarationError(f"{file}: variable '{v.name}': type: '{v.type}' must be of this file")
     return fragment

@@ -5,8 +5,8 @@ class InputError(ValueError):
     """What the user gave cannot be used; the message is a sentence that names it, its value and the rule."""
 
 
-class NoRoomError(InputError):
-    """A disk is full, of which the user has not spoken; the message names it."""
+class NoRoomError(RuntimeError):
+    """A disk is full, of which the user has not spoken; the message names it. Nothing goes on without it."""
 
 
 class SimulationError(RuntimeError):

@@ -2,7 +2,7 @@
 // square, so that what a gross error can move is bounded, and nothing is refused (Huber 1964; for Kalman
 // filters Karlgaard and Schaub 2007, whose residuals of the prediction are left as they are here).
 //
-//     minimise  d^T P^-1 d / 2 + sum rho(r_i / sigma_i),   r = v - H d,  sigma_i^2 = R_ii
+//     minimise  d^T P^-1 d / 2 + sum rho(r_i / sigma_i),   r = v - H d,  R = diag(sigma_i^2)
 //     rho(u) = u^2 / 2              |u| <= k
 //              k |u| - k^2 / 2      k < |u|
 //

@@ -17,7 +17,7 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from sim_scenarios.errors import InputError, SimulationError
+from sim_scenarios.errors import InputError, NoRoomError, SimulationError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,7 +56,7 @@ def refusing_bad_input() -> Iterator[None]:
     """Turn what the user can mend into a sentence and exit code 2."""
     try:
         yield
-    except (InputError, SimulationError) as error:
+    except (InputError, NoRoomError, SimulationError) as error:
         _refuse(str(error))
     except OSError as error:  # of the machine: no space, no file descriptor, no permission
         where = "" if error.filename is None else f"{error.filename}: "

@@ -245,6 +245,11 @@ def test_groups_in_settings_are_structs_of_all_components(tmp_path: Path) -> Non
             "shared/part.toml: variable 'paint.shade': type: 'Colour' must be of this file",
         ),
         (
+            IN_SETTINGS + PAINT + variable(name='"paint.a.b"'),
+            "",
+            "'paint.a.b': settings have no groups",
+        ),
+        (
             IN_SETTINGS + PAINT,
             variable(name='"paint.gloss"'),
             "Thing.toml: variable 'paint.gloss': the group 'paint' is in the settings of shared/part.toml",
