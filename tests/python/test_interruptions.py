@@ -210,6 +210,12 @@ def disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", str(place)], check=True)
 
 
+def fill(disk: Path, free: int) -> None:
+    """Leave so many bytes of a disk."""
+    space = os.statvfs(disk)
+    (disk / "filling").write_bytes(bytes(space.f_bavail * space.f_bsize - free))
+
+
 @every_command
 @pytest.mark.parametrize(
     "free", [10_000, *(pytest.param(1 << k, marks=pytest.mark.slow) for k in range(14, 22))]
@@ -225,8 +231,7 @@ def test_a_full_folder_of_temporary_files_is_named(
     output, temporary = places
     temporary.rmdir()
     temporary.symlink_to(disk)
-    space = os.statvfs(disk)
-    (disk / "filling").write_bytes(bytes(space.f_bavail * space.f_bsize - free))
+    fill(disk, free)
     process = start(command, output, temporary)
     _, said = process.communicate(timeout=600)
     assert process.returncode in ENOUGH
@@ -248,8 +253,7 @@ def test_a_full_disk_leaves_nothing_half(
     command: str,
     free: int,
 ) -> None:
-    space = os.statvfs(disk)
-    (disk / "filling").write_bytes(bytes(space.f_bavail * space.f_bsize - free))
+    fill(disk, free)
     process = start(command, disk / "out", places[1])
     _, said = process.communicate(timeout=600)
     check_whole(disk / "out")
