@@ -194,18 +194,19 @@ def test_the_command_line_wins_over_cases_and_draws(fmus: Fmus, named: Path) -> 
 
 @pytest.mark.parametrize("name", ["faults", "soak"])
 def test_shipped_campaigns_are_in_order(fmus: Fmus, name: str) -> None:
-    """Every model of both filters, and every kind of fault, has a place."""
+    """Every model and corrector of both filters, and every kind of fault, has a place."""
     made = cases(load_plan(name), fmus)
     for filter_fmu in (ALIGNMENT_FILTER, NAVIGATION_FILTER):
-        items = fmus[filter_fmu].variables["error_model"].items
-        start = fmus[filter_fmu].start("error_model")
-        used = {
-            values.get("error_model", start)
+        parameters = [
+            values
             for case in made
             if case.scenario.filter_fmu == filter_fmu
             for values in case.filters().values()
-        }
-        assert used == set(items.values())
+        ]
+        for axis in ("error_model", "corrector"):
+            start = fmus[filter_fmu].start(axis)
+            used = {values.get(axis, start) for values in parameters}
+            assert used == set(fmus[filter_fmu].variables[axis].items.values())
     if name == "faults":
         for sensor in ("imu", "gnss"):
             name = f"fault.{sensor}.kind"
