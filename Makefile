@@ -72,11 +72,15 @@ native: fmus  ## Build everything: FMUs, C++ tests and benchmark
 	$(call configure,native,-DTRUENORTH_TESTS=ON)
 	@cmake --build --preset native --parallel $(JOBS)
 
-lint: fmus  ## Formatting, clang-tidy, ruff, mypy
+lint: $(READY)  ## Formatting, clang-tidy, ruff, mypy
 	@echo "== Lint: clang-format"
 	@clang-format --dry-run --Werror $(CPP_FILES)
 	@echo "== Lint: clang-tidy"
-	@printf '%s\n' $(filter fmu_src/%,$(CPP_SOURCES)) | xargs -P $(JOBS) -n 4 clang-tidy --quiet --extra-arg=-Wno-ignored-gch -p build/native
+	@rm -rf build/lint
+	$(call configure,lint)
+	@cmake --build --preset lint > build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+	@find build/lint/fmu_src -name '*.cxx' -not -path '*_table.dir/*' \
+	    | xargs -P $(JOBS) -n 1 clang-tidy --quiet --checks=-bugprone-suspicious-include -p build/lint
 	@echo "== Lint: ruff, mypy"
 	@ruff check --quiet .
 	@ruff format --check --quiet .

@@ -53,6 +53,16 @@ def test_includes_point_one_way(layer: str) -> None:
     assert offences == {}
 
 
+def test_no_source_is_included() -> None:
+    """What the linter, which reads the sources of a target as one, is told to let pass."""
+    files = sorted(SOURCES.rglob("*.[ch]pp"))
+    assert files
+    including = [
+        path.name for path in files if re.search(r'#include .*\.cpp[">]', path.read_text(encoding="utf-8"))
+    ]
+    assert including == []
+
+
 def test_an_include_against_the_direction_is_found() -> None:
     assert forbidden("inertial", '#include "plant/ship.hpp"\n#include "inertial/earth.hpp"\n') == {"plant"}
     assert forbidden("components", '#include "fmi/instance.hpp"\n#include <vector>\n') == {"fmi"}

@@ -11,8 +11,8 @@ namespace truenorth {
 
 namespace {
 
-constexpr int kConfirmations = 3;  // stamps in a row that show the same before it is believed
-constexpr double kAlike = 0.1;     // [s]
+constexpr int kStraysAlike = 3;  // stamps in a row that show the same before it is believed
+constexpr double kAlike = 0.1;   // [s]
 // A measurement that comes by so much later than those before is by another clock: nothing waits so long [s].
 constexpr double kLate = 10.0;
 // A link is slow, or has a queue to clear, for less [s].
@@ -25,7 +25,7 @@ bool StampClock::strays_alike(double ahead) {
     strays_ = strays_ > 0 && std::abs(ahead - ahead_) < kAlike ? strays_ + 1 : 1;
     ahead_ = ahead;
     count_up(disagreements_);
-    return strays_ >= kConfirmations;
+    return strays_ >= kStraysAlike;
 }
 
 StampClock::Verdict StampClock::read(double stamp, const Moment& moment) {

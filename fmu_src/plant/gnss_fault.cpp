@@ -1,22 +1,14 @@
 #include "plant/gnss_fault.hpp"
 
 #include "inertial/earth.hpp"
+#include "plant/fault_axes.hpp"
 
 namespace truenorth::plant {
-
-namespace {
-
-Eigen::Vector3d axes(int axis) {
-    return axis == 0 ? Eigen::Vector3d(Eigen::Vector3d::Ones())
-                     : Eigen::Vector3d(Eigen::Vector3d::Unit(axis - 1));
-}
-
-}  // namespace
 
 GnssFault::GnssFault(const Settings& settings, double period)
     : settings_(settings),
       window_(TimeWindow::lasting(settings.begin, settings.duration, period)),
-      concerned_(axes(settings.axis)) {}
+      concerned_(concerned_by<Eigen::Vector3d>(settings.axis)) {}
 
 Fix GnssFault::shown(Fix antenna) const {
     const Eigen::Vector3d offset = settings_.size * concerned_;

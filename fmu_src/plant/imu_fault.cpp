@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "plant/fault_axes.hpp"
+
 namespace truenorth::plant {
 
 namespace {
@@ -14,15 +16,6 @@ bool happens_once(ImuFault::Kind kind) {
            kind == reordered;
 }
 
-ImuFault::Axes axes(int axis) {
-    if (axis == 0) {
-        return ImuFault::Axes::Ones();
-    }
-    ImuFault::Axes one = ImuFault::Axes::Zero();
-    one[axis - 1] = 1.0;
-    return one;
-}
-
 }  // namespace
 
 ImuFault::ImuFault(const Settings& settings, double period)
@@ -30,7 +23,7 @@ ImuFault::ImuFault(const Settings& settings, double period)
       period_(period),
       window_(TimeWindow::lasting(settings.begin, settings.duration, period)),
       once_(settings.duration == 0.0 && happens_once(settings.kind)),
-      concerned_(axes(settings.axis)) {}
+      concerned_(concerned_by<Axes>(settings.axis)) {}
 
 void ImuFault::distort(State& state, double time, Eigen::Vector3d& delta_angle,
                        Eigen::Vector3d& delta_velocity) const {
