@@ -79,7 +79,18 @@ ORDERS = {
     "scenario": ["entries", "tables", "sentences", "settings", "loading"],
     "studies": [
         *("quantities", "measured", "expectations", "draws", "plan", "case", "unfaulted", "cases"),
-        *("store", "runs", "execution", "ensemble", "campaign", "statistics", "table", "regret", "findings"),
+        *(
+            "store",
+            "runs",
+            "cluster",
+            "execution",
+            "ensemble",
+            "campaign",
+            "statistics",
+            "table",
+            "regret",
+            "findings",
+        ),
         *("pictures", "page"),
     ],
 }

@@ -25,7 +25,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
 from sim_scenarios.earth import displacement
@@ -87,6 +86,8 @@ def of_velocities(gnss: FixTable) -> Lag | None:
     place = np.nan_to_num(gnss.position[known])
     way = displacement(place, place[:1])[:, axes]
     middles = (said[1:] + said[:-1]) / 2 * np.diff(time)[:, None]
+    from scipy.interpolate import CubicHermiteSpline  # slow
+
     summed = CubicHermiteSpline(time, np.concatenate((0 * said[:1], np.cumsum(middles, axis=0))), said)
     constant = np.ones((*rows.shape, 1))
 

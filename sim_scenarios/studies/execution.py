@@ -7,7 +7,6 @@ that is done comes back nothing but how many runs it had.
 
 from __future__ import annotations
 
-import ipaddress
 import pickle
 import threading
 import time
@@ -19,12 +18,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, Final, TypeVar
-from urllib.parse import urlsplit
 
 import xarray as xr
-from dask.system import CPU_COUNT
-from distributed import Client, Security
-from distributed.scheduler import KilledWorker
 
 from sim_scenarios import provenance
 from sim_scenarios.errors import InputError, SimulationError
@@ -45,18 +40,8 @@ Result = TypeVar("Result")
 AHEAD: Final = 2
 """Tasks for each worker that are handed out: one in work, one waiting."""
 
-CONNECTING: Final = 10.0
-"""How long a scheduler may take to answer, and a worker to come [s]."""
-
 MOST_DEATHS: Final = 3
 """How often in a row workers may die before a single task is done."""
-
-_CERTIFICATES: Final = ("tls_ca_file", "tls_client_cert", "tls_client_key")
-"""What a client needs for TLS, as Dask's `Security` calls it."""
-_VARIABLES: Final = tuple(
-    f"DASK_DISTRIBUTED__COMM__TLS__{n}" for n in ("CA_FILE", "CLIENT__CERT", "CLIENT__KEY")
-)
-"""Where Dask looks for it, if not in its configuration files."""
 
 
 @dataclass(frozen=True)
@@ -134,11 +119,15 @@ class Workers:
         Gives an executor that hands tasks to them; called again when they have died.
     count : int
         How many tasks are done at once.
+    given_up : type of Exception, optional
+        What the executor raises of a task on which workers died again and again.
     """
 
-    def __init__(self, start: Callable[[], Executor], count: int) -> None:
+    def __init__(
+        self, start: Callable[[], Executor], count: int, given_up: type[Exception] | tuple[()] = ()
+    ) -> None:
         self._start, self._executor = start, start()
-        self.count = count
+        self.count, self._given_up = count, given_up
 
     def results(self, do: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[tuple[Task, Result]]:
         """Tasks and their results, as they are done. A task on which a worker died is given out again."""
@@ -160,7 +149,7 @@ class Workers:
                 waiting.extendleft(pending.values())
                 pending.clear()
                 self._executor = self._start()
-            except KilledWorker as error:  # Dask has tried it again before
+            except self._given_up as error:
                 raise SimulationError(f"workers died again and again on the same tasks: {error}") from None
             except CancelledError:
                 raise SimulationError("the scheduler has dropped tasks, or is lost") from None
@@ -206,45 +195,18 @@ class Workbench:
 @contextmanager
 def workers(count: int | None, scheduler: str | None, insecure: bool = False) -> Iterator[Workers]:
     """Workers of a scheduler that exists, or a process for each core of this machine."""
+    from dask.system import CPU_COUNT  # slow, and workers have no use for it
+
     with ExitStack() as stack:
         if scheduler is None:
             count = count or CPU_COUNT
             yield Workers(lambda: stack.enter_context(processes(count)), count)
-            return
-        _check_security(scheduler, insecure)
-        try:
-            client = stack.enter_context(Client(scheduler, timeout=CONNECTING))
-            client.wait_for_workers(1, timeout=CONNECTING)
-        except TimeoutError:
-            raise InputError(f"--scheduler {scheduler}: it has no workers") from None
-        except (OSError, ValueError) as error:
-            raise InputError(f"--scheduler {scheduler}: there is no answer ({error})") from None
-        yield Workers(lambda: client.get_executor(pure=False), sum(client.nthreads().values()))
+        else:
+            from sim_scenarios.studies import cluster  # slow: distributed
 
-
-def _check_security(scheduler: str, insecure: bool) -> None:
-    """Refuse a connection on which others may listen, or speak: whoever does, runs code at both its ends."""
-    protocol, _, address = scheduler.rpartition("://")
-    if protocol not in ("", "tcp", "tls", "ws", "wss"):
-        raise InputError(f"--scheduler {scheduler}: must begin with tls://, tcp:// or ws://")
-    if protocol == "tls":
-        security = Security()
-        missing = [v for v, n in zip(_VARIABLES, _CERTIFICATES, strict=True) if getattr(security, n) is None]
-        if missing:
-            raise InputError(f"--scheduler {scheduler}: TLS needs certificates; set {', '.join(missing)}")
-    elif not insecure and not _is_loopback(address):
-        raise InputError(
-            f"--scheduler {scheduler}: whoever reaches a scheduler without TLS can run code here and on its "
-            "workers; start it with certificates and say tls://, or say --insecure where nobody else can"
-        )
-
-
-def _is_loopback(address: str) -> bool:
-    try:
-        host = urlsplit(f"//{address}").hostname or ""
-        return host == "localhost" or ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
+            client = stack.enter_context(cluster.connected(scheduler, insecure))
+            start = partial(client.get_executor, pure=False)
+            yield Workers(start, sum(client.nthreads().values()), cluster.WORKERS_DIED)
 
 
 def bounds(workers: Workers, made: Sequence[Case], fmus: Fmus) -> list[xr.Dataset]:

@@ -27,7 +27,6 @@ from pathlib import Path
 from typing import Any, Final, Literal
 from zlib import crc32
 
-import dask.array
 import numpy as np
 import xarray as xr
 import zarr
@@ -275,6 +274,8 @@ def _template(
     plan: Plan, made: Sequence[Case], identity: str, bounds: Sequence[xr.Dataset], plant: Fmu
 ) -> xr.Dataset:
     """The whole data set, with nothing in its runs yet."""
+    import dask.array  # slow, and workers have no use for it
+
     filters = filter_labels(made)
     steps = max(int(case.scenario.duration / plan.period + 1e-9) for case in made)
     time = plan.period * np.arange(steps + 1, dtype=np.float64)

@@ -15,16 +15,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 from scipy.spatial.transform import Rotation
 
 from sim_scenarios.attitude import dcm, right_jacobian
 from sim_scenarios.earth import displaced, displacement, radii
 from sim_scenarios.instance import Instance, Port
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicHermiteSpline
 
 Array = NDArray[np.float64]
 
@@ -82,6 +84,8 @@ class Vehicle:
     """
 
     def __init__(self, points: Points) -> None:
+        from scipy.interpolate import CubicHermiteSpline  # slow, and few scenarios have a vehicle
+
         self.time = points.time - points.time[0]
         latitude, longitude, height = points.position.T
         self._position = np.column_stack((latitude, np.unwrap(longitude), height))
@@ -192,6 +196,8 @@ class Driver:
 
 def _derivative(time: Array, values: Array) -> Array:
     """Of the spline through values at the times, shape (n, m)."""
+    from scipy.interpolate import make_interp_spline  # slow
+
     derivative: Array = make_interp_spline(time, values, k=min(SMOOTHEST, len(time) - 1))(time, 1)
     return derivative
 

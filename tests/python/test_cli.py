@@ -230,16 +230,24 @@ def test_a_completion_imports_nothing_that_takes_long(words: str, found: str) ->
     assert said_at_once([], _TRUENORTH_COMPLETE="complete_bash", **environment) == f"{found}\n"
 
 
+def imported_by(code: str, modules: set[str]) -> list[str]:
+    """Those of the modules that a program has imported at its end."""
+    command = [sys.executable, "-c", f"{code}\nimport sys; print(*sorted({modules} & sys.modules.keys()))"]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout.split()
+
+
 def test_a_verdict_waits_neither_for_pictures_nor_for_a_scheduler(tmp_path: Path) -> None:
     code = (
-        "import sys, xarray\nfrom pathlib import Path\n"
+        "import xarray\nfrom pathlib import Path\n"
         "from sim_scenarios import recording, report, simulation\n"
-        f"recording.save(xarray.Dataset({{'one': ('time', [1.0])}}), Path({str(tmp_path / 'one.nc')!r}))\n"
-        "print(sorted({'distributed', 'matplotlib', 'plotly'} & sys.modules.keys()))"
+        f"recording.save(xarray.Dataset({{'one': ('time', [1.0])}}), Path({str(tmp_path / 'one.nc')!r}))"
     )
-    command = [sys.executable, "-c", code]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
-    assert done.stdout == "[]\n"
+    assert imported_by(code, {"distributed", "matplotlib", "plotly", "scipy.interpolate"}) == []
+
+
+def test_a_worker_of_a_campaign_loads_no_cluster() -> None:
+    code = "from sim_scenarios.studies import execution"
+    assert imported_by(code, {"dask", "distributed", "scipy.interpolate"}) == []
 
 
 def test_the_help_tells_of_every_command_what_its_own_help_begins_with() -> None:

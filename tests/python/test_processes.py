@@ -19,7 +19,7 @@ from distributed import Client, LocalCluster, Security
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.folders import TEMPORARY, Owned
 from sim_scenarios.processes import processes
-from sim_scenarios.studies import execution
+from sim_scenarios.studies import cluster, execution
 
 Pool = tuple["subprocess.Popen[str]", list[int]]
 
@@ -207,7 +207,7 @@ def connect(scheduler: str, insecure: bool = False) -> None:
 
 @pytest.mark.parametrize("scheduler", ELSEWHERE)
 def test_a_scheduler_elsewhere_needs_tls(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(execution, "Client", called := Called())
+    monkeypatch.setattr(cluster, "Client", called := Called())
     with pytest.raises(InputError, match=r"--scheduler .* without TLS can run code"):
         connect(scheduler)
     assert called.address == ""
@@ -218,14 +218,14 @@ def test_a_scheduler_elsewhere_needs_tls(scheduler: str, monkeypatch: pytest.Mon
 
 @pytest.mark.parametrize("scheduler", HERE)
 def test_a_scheduler_of_this_machine_may_do_without(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(execution, "Client", called := Called())
+    monkeypatch.setattr(cluster, "Client", called := Called())
     with pytest.raises(InputError, match="there is no answer"):
         connect(scheduler)
     assert called.address == scheduler
 
 
 def test_tls_without_certificates_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(execution, "Client", called := Called())
+    monkeypatch.setattr(cluster, "Client", called := Called())
     with pytest.raises(InputError, match=r"CA_FILE, DASK.*CLIENT__CERT, DASK.*CLIENT__KEY"):
         connect("tls://10.0.0.1:8786")
     assert called.address == ""
@@ -252,8 +252,8 @@ def test_a_scheduler_with_tls_takes_those_with_its_certificate(tmp_path: Path) -
         settings |= {f"tls.{role}.cert": str(certificate), f"tls.{role}.key": str(key)}
     with dask.config.set({f"distributed.comm.{name}": value for name, value in settings.items()}):
         how = {"processes": False, "n_workers": 1, "dashboard_address": None, "protocol": "tls://"}
-        with LocalCluster(**how, security=Security()) as cluster:
-            address = cluster.scheduler_address
+        with LocalCluster(**how, security=Security()) as secured:
+            address = secured.scheduler_address
             assert address.startswith("tls://")
             with execution.workers(None, address) as workers:
                 assert dict(workers.results(abs, [-1, 2])) == {-1: 1, 2: 2}

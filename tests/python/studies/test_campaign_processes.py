@@ -20,7 +20,7 @@ from distributed import LocalCluster
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.stepping import Master
-from sim_scenarios.studies import execution, store
+from sim_scenarios.studies import cluster, execution, store
 from sim_scenarios.studies.campaign import campaign
 from sim_scenarios.studies.cases import cases
 from sim_scenarios.studies.execution import Progress
@@ -149,19 +149,17 @@ def test_a_worker_with_other_fmus_is_refused(fmus: Fmus, tmp_path: Path) -> None
 
 
 def test_a_scheduler_without_workers(fmus: Fmus, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(execution, "CONNECTING", 0.5)
+    monkeypatch.setattr(cluster, "CONNECTING", 0.5)
     with (
-        LocalCluster(
-            n_workers=0, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0"
-        ) as cluster,
+        LocalCluster(n_workers=0, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0") as empty,
         pytest.raises(InputError, match="it has no workers"),
     ):
-        run(tmp_path, fmus, scheduler=cluster.scheduler_address)
+        run(tmp_path, fmus, scheduler=empty.scheduler_address)
 
 
 def test_a_scheduler_that_does_not_answer(
     fmus: Fmus, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(execution, "CONNECTING", 0.5)
+    monkeypatch.setattr(cluster, "CONNECTING", 0.5)
     with pytest.raises(InputError, match="there is no answer"):
         run(tmp_path, fmus, scheduler="tcp://127.0.0.1:9")
