@@ -69,7 +69,7 @@ fmus-all: $(READY)  ## Build the FMUs for Linux (x86-64, aarch64) and Windows, a
 	        $(PLATFORMS:%=$(CURDIR)/build/platforms/%/fmus/$$fmu) || exit 1; done
 
 native: fmus  ## Build everything: FMUs, C++ tests and benchmark
-	$(call configure,native,-DTRUENORTH_TESTS=ON)
+	$(call configure,native,-DTRUENORTH_TESTS=ON $(PEERS:%=-DTRUENORTH_PEERS=$(abspath $(PEERS))))
 	@cmake --build --preset native --parallel $(JOBS)
 
 lint: $(READY)  ## Formatting, clang-tidy, ruff, mypy
@@ -127,8 +127,9 @@ guided: $(READY)  ## The same, guided by libFuzzer to what they have not reached
 	@cmake --build --preset guided --parallel $(JOBS)
 	@ctest --preset guided --parallel $(JOBS)
 
-bench: native  ## Time per filter step, per FMI call, and of a whole run
+bench: native  ## Time per filter step, per FMI call, and of a whole run (PEERS=folder: beside other libraries)
 	@build/native/tests/cpp/bench_filter
+	@$(if $(PEERS),build/native/tests/cpp/bench_peers)
 	@build/native/tests/cpp/fmi/bench_fmi
 	@python -m sim_scenarios.benchmark
 
