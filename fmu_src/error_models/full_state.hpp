@@ -11,7 +11,10 @@
 // arm. Misprint of Jing 2023: its flight starts at 29 E, 118 N (section 3), longitude and latitude swapped.
 #pragma once
 
+#include <algorithm>
+
 #include "error_models/antenna.hpp"
+#include "error_models/neighbours.hpp"
 #include "estimation/integration.hpp"
 
 namespace truenorth {
@@ -61,12 +64,26 @@ class FullState {
         return navigation_error::local(x, other);
     }
 
-    template <int Count>
-    void propagate(State& x, Points<kStates, Count>& deviations, const Interval& interval) const {
-        propagate(x, deviations, Points<kStates, Count>(Points<kStates, Count>::Zero()), interval);
+    [[nodiscard]] static State moved(const State& x, const Interval& interval) {
+        return mechanised(x, interval).state;
     }
 
-    // Noise of attitude and velocity is that of the sensors: by it the increments of each point are wrong.
+    template <int Count>
+    void propagate(State& x, Points<kStates, Count>& deviations, const Interval& interval) const {
+        constexpr int few = std::min(Count, Neighbours::kLanes);
+        const Neighbours neighbours(x, interval.mechanisation, interval.increment);
+        const Points<kStates, Count> start = deviations;
+        Neighbours::Deviations lanes = Neighbours::Deviations::Zero();
+        for (int next = 0; next < Count; next += few) {
+            const int first = std::min(next, Count - few);  // the last ones may have been moved before
+            lanes.template leftCols<few>() = start.template middleCols<few>(first);
+            deviations.template middleCols<few>(first) = neighbours.moved(lanes).template leftCols<few>();
+        }
+        x = neighbours.moved();
+    }
+
+    // Noise of attitude and velocity is that of the sensors: by it the increments of each point are wrong,
+    // and no two of them share the motion of the body.
     template <int Count>
     void propagate(State& x, Points<kStates, Count>& deviations, const Points<kStates, Count>& noise,
                    const Interval& interval) const {

@@ -9,11 +9,6 @@ namespace truenorth::earth {
 
 namespace {
 
-// 1 / sqrt(1 - e^2 sin^2 latitude).
-double per_w_of(double sin_latitude) {
-    return 1.0 / std::sqrt(1.0 - kEccentricity2 * sin_latitude * sin_latitude);
-}
-
 Radii radii_of(double per_w) {
     const double prime_vertical = kSemiMajorAxis * per_w;
     return {.meridian = prime_vertical * (1.0 - kEccentricity2) * per_w * per_w,
@@ -21,26 +16,6 @@ Radii radii_of(double per_w) {
 }
 
 }  // namespace
-
-Place::Place(const SineCosine<double>& latitude, double height)
-    : height(height),
-      sin_latitude(latitude.sine),
-      cos_latitude(latitude.cosine),
-      per_cos_latitude(1.0 / cos_latitude),
-      per_w(per_w_of(sin_latitude)),
-      per_meridian_radius(1.0 / (radii_of(per_w).meridian + height)),
-      per_prime_vertical_radius(1.0 / (radii_of(per_w).prime_vertical + height)) {}
-
-double Place::gravity() const {
-    constexpr double semi_minor_axis = kSemiMajorAxis * (1.0 - kFlattening);
-    constexpr double k = semi_minor_axis * kPolarGravity / (kSemiMajorAxis * kEquatorialGravity) - 1.0;
-    constexpr double m =
-        kRate * kRate * kSemiMajorAxis * kSemiMajorAxis * semi_minor_axis / kGravitationalParameter;
-    const double s2 = sin_latitude * sin_latitude;
-    const double on_ellipsoid = kEquatorialGravity * (1.0 + k * s2) * per_w;
-    const double h = height / kSemiMajorAxis;
-    return on_ellipsoid * (1.0 - 2.0 * (1.0 + kFlattening + m - 2.0 * kFlattening * s2) * h + 3.0 * h * h);
-}
 
 Radii radii(double latitude) { return radii_of(per_w_of(sincos(latitude).sine)); }
 

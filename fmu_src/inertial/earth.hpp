@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "inertial/sincos.hpp"
 
@@ -42,31 +43,71 @@ struct Radii {
 Radii radii(double latitude);
 
 // What the formulas below share of a latitude [rad] and a height [m], computed once; they are its members.
-struct Place {
-    Place(const SineCosine<double>& latitude, double height);
-    Place(double latitude, double height) : Place(sincos(latitude), height) {}
-    explicit Place(const Position& position) : Place(position.latitude, position.height) {}
+// Number: that of one place, or an array of those of many.
+template <class Number>
+struct PlaceOf {
+    PlaceOf(const SineCosine<Number>& latitude, const Number& height);
+    PlaceOf(const Number& latitude, const Number& height) : PlaceOf(sincos(latitude), height) {}
+    explicit PlaceOf(const Position& position) : PlaceOf(position.latitude, position.height) {}
 
-    double height;  // [m]
-    double sin_latitude;
-    double cos_latitude;
-    double per_cos_latitude;
-    double per_w;                      // 1 / sqrt(1 - e^2 sin^2 latitude)
-    double per_meridian_radius;        // 1 / (R_M + h) [1/m]
-    double per_prime_vertical_radius;  // 1 / (R_N + h) [1/m]
+    Number height;  // [m]
+    Number sin_latitude;
+    Number cos_latitude;
+    Number per_cos_latitude;
+    Number per_w;                      // 1 / sqrt(1 - e^2 sin^2 latitude)
+    Number per_meridian_radius;        // 1 / (R_M + h) [1/m]
+    Number per_prime_vertical_radius;  // 1 / (R_N + h) [1/m]
 
-    [[nodiscard]] double tan_latitude() const { return sin_latitude * per_cos_latitude; }
-    [[nodiscard]] double gravity() const;
+    [[nodiscard]] Number tan_latitude() const { return sin_latitude * per_cos_latitude; }
+    [[nodiscard]] Number gravity() const;
     [[nodiscard]] Eigen::Vector3d rate() const { return {0.0, kRate * cos_latitude, kRate * sin_latitude}; }
-    [[nodiscard]] Eigen::Vector3d transport_rate(const Eigen::Vector3d& velocity) const {
-        const double east = velocity.x() * per_prime_vertical_radius;
-        return {-velocity.y() * per_meridian_radius, east, east * tan_latitude()};
+
+    // Of a velocity, a vector or its three components.
+    template <class Components>
+    [[nodiscard]] Components transport_rate(const Components& velocity) const {
+        const Number east = velocity[0] * per_prime_vertical_radius;
+        return {-velocity[1] * per_meridian_radius, east, east * tan_latitude()};
     }
-    [[nodiscard]] Eigen::Vector3d position_rate(const Eigen::Vector3d& velocity) const {
-        return {velocity.y() * per_meridian_radius,
-                velocity.x() * per_prime_vertical_radius * per_cos_latitude, velocity.z()};
+    template <class Components>
+    [[nodiscard]] Components position_rate(const Components& velocity) const {
+        return {velocity[1] * per_meridian_radius, velocity[0] * per_prime_vertical_radius * per_cos_latitude,
+                velocity[2]};
     }
 };
+
+using Place = PlaceOf<double>;
+
+// 1 / sqrt(1 - e^2 sin^2 latitude).
+template <class Number>
+Number per_w_of(const Number& sin_latitude) {
+    using std::sqrt;
+    return 1.0 / sqrt(1.0 - kEccentricity2 * sin_latitude * sin_latitude);
+}
+
+template <class Number>
+PlaceOf<Number>::PlaceOf(const SineCosine<Number>& latitude, const Number& height)
+    : height(height),
+      sin_latitude(latitude.sine),
+      cos_latitude(latitude.cosine),
+      per_cos_latitude(1.0 / cos_latitude),
+      per_w(per_w_of(sin_latitude)) {
+    const Number prime_vertical = kSemiMajorAxis * per_w;
+    const Number meridian = prime_vertical * (1.0 - kEccentricity2) * per_w * per_w;
+    per_meridian_radius = 1.0 / (meridian + height);
+    per_prime_vertical_radius = 1.0 / (prime_vertical + height);
+}
+
+template <class Number>
+Number PlaceOf<Number>::gravity() const {
+    constexpr double semi_minor_axis = kSemiMajorAxis * (1.0 - kFlattening);
+    constexpr double k = semi_minor_axis * kPolarGravity / (kSemiMajorAxis * kEquatorialGravity) - 1.0;
+    constexpr double m =
+        kRate * kRate * kSemiMajorAxis * kSemiMajorAxis * semi_minor_axis / kGravitationalParameter;
+    const Number s2 = sin_latitude * sin_latitude;
+    const Number on_ellipsoid = kEquatorialGravity * (1.0 + k * s2) * per_w;
+    const Number h = height / kSemiMajorAxis;
+    return on_ellipsoid * (1.0 - 2.0 * (1.0 + kFlattening + m - 2.0 * kFlattening * s2) * h + 3.0 * h * h);
+}
 
 // Magnitude of normal gravity [m/s2]: Somigliana on the ellipsoid, second-order expansion in height
 // (TR8350.2, eq. 4-3). The gravity vector in n is (0, 0, -gravity).

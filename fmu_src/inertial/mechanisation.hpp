@@ -62,6 +62,14 @@ class Mechanisation {
     // Carries the state over one increment (dt > 0).
     void advance(const ImuIncrement& increment);
 
+    // What the next increment means for the body after the last one.
+    [[nodiscard]] BodyMotion motion(const ImuIncrement& increment) const {
+        return body_motion(previous_, increment);
+    }
+
+    // dv/dt over the last increment, ENU [m/s2].
+    [[nodiscard]] const Eigen::Vector3d& acceleration() const { return acceleration_; }
+
     // Integral of the specific force over the last increment, in n at its middle [m/s].
     [[nodiscard]] const Eigen::Vector3d& delta_velocity_n() const { return delta_velocity_n_; }
 
@@ -75,8 +83,8 @@ class Mechanisation {
     }
 
   private:
-    ImuIncrement previous_;                                   // dt = 0: there was none
-    Eigen::Vector3d acceleration_ = Eigen::Vector3d::Zero();  // dv/dt over the last increment, ENU [m/s2]
+    ImuIncrement previous_;  // dt = 0: there was none
+    Eigen::Vector3d acceleration_ = Eigen::Vector3d::Zero();
     Eigen::Vector3d delta_velocity_n_ = Eigen::Vector3d::Zero();
     Eigen::Vector3d omega_eb_b_ = Eigen::Vector3d::Zero();
 };
