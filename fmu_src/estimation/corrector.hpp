@@ -108,15 +108,17 @@ class Corrector {
 template <int N, int M>
 Correction<N, M> Corrector<N, M>::correct(const Matrix<N>& prior, const Innovation<N, M>& innovation) {
     const int channels = innovation.channels();
-    Correction<N, M> none{Vector<N>::Zero(), prior, Vector<M>::Zero(), innovation.noise};
+    const auto none = [&] {
+        return Correction<N, M>{Vector<N>::Zero(), prior, Vector<M>::Zero(), innovation.noise};
+    };
     if (channels == 0) {
-        return none;
+        return none();
     }
     const double nis = truenorth::nis(innovation);
     bool explained = gate.explains(nis, channels);
     const bool judged = judges();
     const bool admitted = judged || gate_stands_open || gate.admits(nis, channels);
-    Correction<N, M> correction = admitted ? corrected(prior, innovation) : none;
+    Correction<N, M> correction = admitted ? corrected(prior, innovation) : none();
     const bool taken = admitted && !(judged && !correction.used());
     refused_ = taken ? 0 : std::min(refused_ + 1, gate.patience);
     correction.nis = nis;

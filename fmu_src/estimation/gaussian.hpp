@@ -106,8 +106,9 @@ template <int N, class Set>
 Matrix<N> rank_update(const Matrix<N>& A, const Set& X, double factor) {
     Matrix<N> sum;
     for (int i = 0; i < N; ++i) {
+        const Eigen::Matrix<double, 1, Set::ColsAtCompileTime> row = X.row(i);  // aligned, as a set is not
         for (int j = 0; j <= i; ++j) {
-            sum(i, j) = A(i, j) + factor * X.row(i).dot(X.row(j));
+            sum(i, j) = A(i, j) + factor * row.dot(X.row(j));
             sum(j, i) = sum(i, j);
         }
     }

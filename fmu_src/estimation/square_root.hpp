@@ -24,21 +24,25 @@ struct SquareRoot {
 std::optional<BoundedMatrix> root_of_nearest(const BoundedMatrix& covariance);
 
 // Lower triangle L, L L^T = covariance; none of what is not positive definite. Whole columns are subtracted,
-// whose length a compiler knows: what is above the diagonal comes to zero but for rounding.
+// whose length a compiler knows, from one that it can keep in registers: what is above the diagonal comes to
+// zero but for rounding.
 template <int N>
 std::optional<Matrix<N>> cholesky(const Matrix<N>& covariance) {
-    Matrix<N> L = covariance;
-    for (int j = 0; j < N; ++j) {
-        if (!(L(j, j) > 0.0)) {
-            return std::nullopt;
+    std::optional<Matrix<N>> lower(std::in_place);
+    Matrix<N>& L = *lower;
+    for (int k = 0; k < N; ++k) {
+        Vector<N> column = covariance.col(k);
+        for (int j = 0; j < k; ++j) {
+            column -= L(k, j) * L.col(j);
         }
-        L.col(j) *= 1.0 / std::sqrt(L(j, j));
-        for (int k = j + 1; k < N; ++k) {
-            L.col(k) -= L(k, j) * L.col(j);
+        if (!(column(k) > 0.0)) {
+            lower.reset();
+            return lower;
         }
+        L.col(k) = (1.0 / std::sqrt(column(k))) * column;
     }
     L.template triangularView<Eigen::StrictlyUpper>().setZero();
-    return L;
+    return lower;
 }
 
 template <int N>
