@@ -10,8 +10,8 @@
 
 namespace truenorth::benchmark {
 
-inline constexpr int kStepsPerBatch = 2000;
-inline constexpr int kBatches = 51;
+inline constexpr int kStepsPerBatch = 250;  // within the slice of a processor that is shared
+inline constexpr int kBatches = 401;
 
 // Many steps of a filter, of which each batch has a fresh copy.
 template <class Step>
