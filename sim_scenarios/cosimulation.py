@@ -56,13 +56,10 @@ class Table:
         self._addresses = [a + stride for a, stride in zip(self._addresses, self._strides, strict=True)]
         self.rows += 1
 
-    def columns(self, prefix: str = "") -> Columns:
-        """Recorded values, shape (rows,), of each variable of a prefix, by the name that follows it."""
-        return {
-            name.removeprefix(prefix): self.arrays[base][: self.rows, i].copy()
-            for name, (base, i) in self.port.signals.places.items()
-            if name.startswith(prefix)
-        }
+    def columns(self) -> Columns:
+        """Recorded values, shape (rows,), of each variable by name."""
+        places = self.port.signals.places
+        return {name: self.arrays[base][: self.rows, i].copy() for name, (base, i) in places.items()}
 
 
 class Source(Protocol):

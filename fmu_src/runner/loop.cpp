@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+// All memory is of another language, which hands over addresses.
+// NOLINTBEGIN(cppcoreguidelines-pro-bounds-pointer-arithmetic)
 namespace truenorth::runner {
 
 namespace {
@@ -86,3 +88,4 @@ std::ptrdiff_t run(Loop& loop, std::size_t until) {
 }
 
 }  // namespace truenorth::runner
+// NOLINTEND(cppcoreguidelines-pro-bounds-pointer-arithmetic)

@@ -1,6 +1,6 @@
-// The loop of a co-simulation: components step, signals pass from one to the next, rows are recorded, and nothing
-// else is done in a step. What is done, and in which order, says a list of operations; whoever writes it
-// (sim_scenarios/compiled.py) has loaded and initialised the components, and made all memory.
+// The loop of a co-simulation: components step, signals pass from one to the next, rows are recorded, and
+// nothing else is done in a step. What is done, and in which order, says a list of operations; whoever writes
+// it (sim_scenarios/compiled.py) has loaded and initialised the components, and made all memory.
 #pragma once
 
 #include <cstddef>
@@ -30,8 +30,8 @@ struct Operation {
     Step* step;
     Access* access;
     void* component;
-    const std::uint32_t* references;  // of variables; of what is gathered, the places among the signals; of a sum, those among
-                                      // the values
+    const std::uint32_t* references;  // of variables; of what is gathered, the places among the signals; of a
+                                      // sum, those among the values
     std::size_t count;
     std::byte* values;
     const std::byte* signals;
