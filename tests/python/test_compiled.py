@@ -19,6 +19,11 @@ from sim_scenarios.compiled import Loop
 from sim_scenarios.cosimulation import Sink
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import Fmus
+from sim_scenarios.recordings.choices import Filter
+from sim_scenarios.recordings.replay import replay
+from sim_scenarios.recordings.start import Start
+from sim_scenarios.recordings.tables import ImuTable, Recording
+from sim_scenarios.recordings.zero_velocity import ZeroVelocity
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.stepping import Master, Order
 from sim_scenarios.studies.cases import cases
@@ -87,6 +92,27 @@ def test_several_fixes_in_a_period_and_steps_behind_the_last_row(fmus: Fmus) -> 
 def test_what_is_added_begins_anew_behind_its_end(fmus: Fmus) -> None:
     added = {"imu.delta_angle[1]": 1e-9 * np.arange(7.0), "imu.delta_velocity[2]": 1e-7 * np.arange(1301.0)}
     same(fmus, "swaying_ship", {}, added=added)
+
+
+@needs_loop
+@pytest.mark.parametrize("task", Filter)
+def test_a_recording_is_replayed_to_the_same_bits(
+    fmus: Fmus, monkeypatch: pytest.MonkeyPatch, task: Filter
+) -> None:
+    """At rest, with a clock that wanders; the steps are as long as the samples."""
+    noise = np.random.default_rng(1).standard_normal((3, 6001, 3))
+    time = 0.01 * np.arange(1, 6002) + 1e-4 * noise[2, :, 0]
+    imu = ImuTable(time, 1e-6 * noise[0], np.array([0.0, 0.0, 0.098]) + 1e-4 * noise[1])
+    aiding = ZeroVelocity((45.0, 10.0, 0.0))
+
+    def replayed(by: Master) -> xr.Dataset:
+        monkeypatch.setattr(compiled, "steps", lambda _: by is Master.compiled)
+        return replay(Recording("rest", imu), Start(0.0), filter=task, zero_velocity=aiding, fmus=fmus)
+
+    python, loop = map(replayed, BOTH)
+    assert python.sizes["time"] > 500
+    assert python.sizes["fix"] > 10 or task is Filter.align_then_navigate  # whose minute is too short
+    assert loop.identical(python)
 
 
 @needs_loop
