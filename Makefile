@@ -34,7 +34,7 @@ endef
 run: $(READY)  ## Align the swaying ship, print the verdict and where the report lies
 	@echo "== Building its FMUs"
 	$(call configure,native)
-	@cmake --build --preset native --target TruthPlant_fmu AlignmentFilter_fmu --parallel $(JOBS)
+	@cmake --build --preset native --target TruthPlant_fmu AlignmentFilter_fmu truenorth_runner --parallel $(JOBS)
 	@truenorth run swaying_ship --output build/reports/swaying_ship
 
 test: lint test-cpp test-python  ## All set-up, then every check: lint, types, C++, Python, FMUs
@@ -67,6 +67,7 @@ fmus-all: $(READY)  ## Build the FMUs for Linux (x86-64, aarch64) and Windows, a
 	@cd build/platforms/$(firstword $(PLATFORMS))/fmus && for fmu in *.fmu fmi3/*.fmu; do \
 	    PYTHONPATH=$(CURDIR) python -B $(CURDIR)/modelDescription/package.py join $(CURDIR)/build/fmus-all/$$fmu \
 	        $(PLATFORMS:%=$(CURDIR)/build/platforms/%/fmus/$$fmu) || exit 1; done
+	@cp -R $(PLATFORMS:%=build/platforms/%/fmus/runner) build/fmus-all
 
 native: fmus  ## Build everything: FMUs, C++ tests and benchmark
 	$(call configure,native,-DTRUENORTH_TESTS=ON $(PEERS:%=-DTRUENORTH_PEERS=$(abspath $(PEERS))))
@@ -127,10 +128,11 @@ guided: $(READY)  ## The same, guided by libFuzzer to what they have not reached
 	@cmake --build --preset guided --parallel $(JOBS)
 	@ctest --preset guided --parallel $(JOBS)
 
-bench: native  ## Time per filter step, per FMI call, and of a whole run (PEERS=folder: beside other libraries)
+bench: native  ## Time per filter step, per FMI call, of the loop, and of a whole run (PEERS=folder: beside other libraries)
 	@build/native/tests/cpp/bench_filter
 	@$(if $(PEERS),build/native/tests/cpp/bench_peers)
 	@build/native/tests/cpp/fmi/bench_fmi
+	@python tests/cpp/benchmark/runner.py build/native/tests/cpp/fmi/libplain_loop.so
 	@python -m sim_scenarios.benchmark
 
 bands: fmus  ## Monte-Carlo check of the accuracy bands (ten minutes; SEEDS=10 for fewer runs)

@@ -200,7 +200,8 @@ def main() -> int:
         files = code(declaration)
     else:
         product = product_of(arguments.version)
-        sources = sorted(path for path in (ROOT / "fmu_src").rglob("*.[ch]pp"))
+        written = (ROOT / "fmu_src").rglob("*.[ch]pp")
+        sources = sorted(path for path in written if path.parent.name != "runner")  # is in no FMU
         files = description(declaration, product, sources)
     for name, text in files.items():
         write(arguments.folder / declaration.name / name, text)

@@ -12,6 +12,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from statistics import median
 from typing import Any
 
@@ -27,6 +28,7 @@ from sim_scenarios.recordings.start import Start
 from sim_scenarios.recordings.tables import ImuTable, Recording
 from sim_scenarios.recordings.zero_velocity import ZeroVelocity
 from sim_scenarios.scenario import Scenario, load_scenario
+from sim_scenarios.stepping import Master
 
 Call = Callable[..., Any]
 
@@ -80,7 +82,8 @@ def shares(name: str, fmus: Fmus) -> dict[str, float]:
         sink.instance.step = clock.timed("filter step", sink.instance.step)  # type: ignore[method-assign]
         source.port.read = clock.timed("get and set", source.port.read)  # type: ignore[method-assign]
         sink.port.write = clock.timed("get and set", sink.port.write)  # type: ignore[method-assign]
-        clock.timed("all", connection.record)(scenario, fmus, source, [sink])
+        record = partial(connection.record, master=Master.python)
+        clock.timed("all", record)(scenario, fmus, source, [sink])
     parts = dict(clock.spent)
     parts["loop and recording"] = 2 * parts.pop("all") - sum(clock.spent.values())
     return parts
@@ -100,7 +103,7 @@ def filter_steps(scenario: Scenario, fmus: Fmus, repetitions: int = 3) -> dict[s
             source, sinks = connection.connect(scenario, fmus, filters, stack)
             for label, sink in zip(filters, sinks, strict=True):
                 sink.instance.step = clock.timed(label, sink.instance.step)  # type: ignore[method-assign]
-            connection.record(scenario, fmus, source, sinks)
+            connection.record(scenario, fmus, source, sinks, master=Master.python)
         for label, seconds in clock.spent.items():
             found[label].append(seconds / steps)
     return {label: median(times) for label, times in found.items()}

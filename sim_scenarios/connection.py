@@ -23,7 +23,7 @@ from sim_scenarios.earth import radii
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus, Number
 from sim_scenarios.instance import Instance
 from sim_scenarios.scenario import Scenario
-from sim_scenarios.stepping import Order
+from sim_scenarios.stepping import Master, Order
 from sim_scenarios.timeline import instants, whole
 from sim_scenarios.vehicles.motion import STATE, Driver
 
@@ -48,16 +48,22 @@ def connect(
     filters: Mapping[str, Mapping[str, Number]],
     stack: ExitStack,
     order: Order = Order.gauss_seidel,
+    only: Sequence[str] | None = None,
 ) -> tuple[FmuSource | AlignmentSource, list[Sink]]:
     """Plant and filters, initialised and connected; the stack closes them.
 
     With an alignment, that is what starts from the truth with the initial error; the filters wait for it.
+    `only` are the outputs of a filter that are recorded, arrays by their base name, without which all are.
     """
     standard = fmus[scenario.standard]
 
+    def recorded(fmu: Fmu) -> list[str]:
+        outputs = ports.recorded(fmu, standard)
+        return outputs if only is None else [name for name in outputs if name.partition("[")[0] in only]
+
     def begun(fmu: Fmu, label: str, values: Mapping[str, Number], source: Source) -> Sink:
         instance = stack.enter_context(closing(Instance(fmu, label, values)))
-        outputs = None if label == ALIGNMENT else ports.recorded(fmu, standard)
+        outputs = None if label == ALIGNMENT else recorded(fmu)
         return Sink.initialised(instance, source, 0.0, scenario.duration, outputs)
 
     used = {label: fmus[scenario.fmu_of(label)] for label in filters}
@@ -85,6 +91,7 @@ def record(
     sinks: Sequence[Sink],
     order: Order = Order.gauss_seidel,
     progress: Progress = lambda _: None,
+    master: Master = Master.auto,
 ) -> Recorded:
     """Step connected plant and filters to the end of a scenario."""
     return simulate(
@@ -97,6 +104,7 @@ def record(
         alignment_outputs=recording.ALIGNMENT_OUTPUTS,
         order=order,
         progress=progress,
+        master=master,
     )
 
 

@@ -15,16 +15,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
-from typing import Any, Final, Protocol
+from typing import Any, Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sim_scenarios import compiled
+from sim_scenarios.compiled import Loop, When
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import OPTIONAL, START, Fmu, Variable
 from sim_scenarios.instance import Instance, Port, Signals
-from sim_scenarios.stepping import Order
+from sim_scenarios.stepping import Master, Order
 
 Array = NDArray[np.float64]
 Columns = dict[str, NDArray[Any]]
@@ -53,13 +56,10 @@ class Table:
         self._addresses = [a + stride for a, stride in zip(self._addresses, self._strides, strict=True)]
         self.rows += 1
 
-    def columns(self, prefix: str = "") -> Columns:
-        """Recorded values, shape (rows,), of each variable of a prefix, by the name that follows it."""
-        return {
-            name.removeprefix(prefix): self.arrays[base][: self.rows, i].copy()
-            for name, (base, i) in self.port.signals.places.items()
-            if name.startswith(prefix)
-        }
+    def columns(self) -> Columns:
+        """Recorded values, shape (rows,), of each variable by name."""
+        places = self.port.signals.places
+        return {name: self.arrays[base][: self.rows, i].copy() for name, (base, i) in places.items()}
 
 
 class Source(Protocol):
@@ -80,11 +80,22 @@ class Source(Protocol):
         """Go from time to time + step and renew the signals."""
 
 
+@runtime_checkable
+class InLoop(Protocol):
+    """A source that a compiled loop can step, too; Python steps any other."""
+
+    def advance_in(self, loop: Loop) -> None:
+        """As `advance`, in a compiled loop."""
+
+
 class Drives(Protocol):
     """What feeds inputs of a source."""
 
     def tell(self, time: float, step: float) -> None:
         """Set the inputs for a step from a time [s]."""
+
+    def tell_in(self, loop: Loop) -> None:
+        """As `tell`, in a compiled loop."""
 
 
 class FmuSource:
@@ -105,6 +116,13 @@ class FmuSource:
             self._driver.tell(time, step)
         self.instance.step(time, step)
         self.port.read()
+
+    def advance_in(self, loop: Loop) -> None:
+        """As `advance`, in a compiled loop."""
+        if self._driver is not None:
+            self._driver.tell_in(loop)
+        loop.step(self.instance)
+        loop.read(self.port)
 
 
 class DisturbedSource:
@@ -133,6 +151,17 @@ class DisturbedSource:
         for buffer, i, values in self._added:
             buffer[i] += values[self._next % len(values)]
         self._next += 1
+
+    def advance_in(self, loop: Loop) -> None:
+        """As `advance`, in a compiled loop."""
+        self._source.advance_in(loop)
+        for buffer, i, values in self._added:
+            loop.add_rows(buffer, np.array([i]), partial(_repeated, values))
+
+
+def _repeated(values: Array, begin: int, times: Array) -> Array:
+    repeated: Array = values.take(np.arange(begin, begin + len(times) - 1), mode="wrap")
+    return repeated
 
 
 class RecordedSource:
@@ -166,6 +195,15 @@ class RecordedSource:
         for buffer, rows in self._rows:
             buffer[:] = rows[self._next]
         self._next += 1
+
+    def advance_in(self, loop: Loop) -> None:
+        """As `advance`, in a compiled loop."""
+        for buffer, rows in self._rows:
+            loop.gather_rows(buffer, partial(_onwards, rows[self._next :]))
+
+
+def _onwards(rows: NDArray[Any], begin: int, _: Array) -> NDArray[Any]:
+    return rows[begin:]
 
 
 class Sink:
@@ -218,9 +256,19 @@ class Sink:
             buffer[:] = signals[rows]
         self.port.write()
 
+    def receive_in(self, loop: Loop) -> None:
+        """As `receive`, in a compiled loop."""
+        for gathered in self._gathered:
+            loop.gather(*gathered)
+        loop.write(self.port)
+
     def advance(self, time: float, step: float) -> None:
         """Step the filter."""
         self.instance.step(time, step)
+
+    def advance_in(self, loop: Loop) -> None:
+        """As `advance`, in a compiled loop."""
+        loop.step(self.instance)
 
 
 class AlignmentSource:
@@ -263,6 +311,22 @@ class AlignmentSource:
             self._sink.receive()
         self._sink.advance(time, step)
         self._renew()
+
+    def advance_in(self, loop: Loop) -> None:
+        """As `advance`, in a compiled loop."""
+        if self._late:
+            self._sink.receive_in(loop)
+        self._source.advance_in(loop)
+        if not self._late:
+            self._sink.receive_in(loop)
+        self._sink.advance_in(loop)
+        for port in self._ports:
+            loop.read(port)
+        for base, buffer in self.signals.buffers.items():
+            parts = [signals.buffers[base] for signals in self._parts if base in signals.buffers]
+            ends = np.cumsum([len(part) for part in parts])
+            for part, place in zip(parts, np.split(buffer, ends[:-1]), strict=True):
+                loop.gather(place, part, np.arange(len(part)))
 
     def _renew(self) -> None:
         """What is sensed and, behind it, the outputs of the alignment, into the signals."""
@@ -361,6 +425,7 @@ def simulate(
     correction_outputs: Sequence[str] = (),
     order: Order = Order.gauss_seidel,
     progress: Progress = lambda _: None,
+    master: Master = Master.auto,
 ) -> Recorded:
     """Step source and filters through all times, recording on the way.
 
@@ -382,43 +447,137 @@ def simulate(
     alignment_outputs : sequence of str
         Outputs of the source's alignment to record.
     correction_outputs : sequence of str
-        Outputs of the filters that are recorded after each fix, and as they would be without it.
+        Outputs of the filters that are recorded after each fix, and as they would be without it; Python
+        steps.
     order : Order
         Who steps first.
     progress : callable
-        Called at each periodic row.
+        Called now and then, by the Python master at each periodic row.
+    master : Master
+        Who steps; the results are the same.
 
     Returns
     -------
     Recorded
+
+    Raises
+    ------
+    InputError
+        The compiled loop was asked for and is not there.
+    SimulationError
+        An FMU refused to go on.
     """
     steps = len(times) - 1
     rows = steps // record_every + 1
     of_fixes = set(fix_outputs)
-    truth = Table(Port(source.instance, source_outputs), rows) if source.instance else None
-    filters = [
-        Table(Port(sink.instance, [n for n in sink.outputs if n not in of_fixes]), rows) for sink in sinks
-    ]
-    alignment = Table(Port(source.alignment, alignment_outputs), rows) if source.alignment else None
-    after_step = (*filters, *([alignment] if alignment else []))
-    fixes = [
-        Table(Port(sink.instance, [n for n in fix_outputs if n in sink.outputs]), steps) for sink in sinks
-    ]
+    tables = _Tables(
+        truth=Table(Port(source.instance, source_outputs), rows) if source.instance else None,
+        filters=[
+            Table(Port(sink.instance, [n for n in sink.outputs if n not in of_fixes]), rows) for sink in sinks
+        ],
+        alignment=Table(Port(source.alignment, alignment_outputs), rows) if source.alignment else None,
+        fixes=[
+            Table(Port(sink.instance, [n for n in fix_outputs if n in sink.outputs]), steps) for sink in sinks
+        ],
+    )
+    for table in tables.periodic:
+        table.append()
+    late = order is Order.jacobi
+    corrections: Sequence[Corrections] = ()
+    if compiled.steps(master) and isinstance(source, InLoop) and not correction_outputs:
+        fix_time = _compiled_steps(
+            source, source.advance_in, sinks, times, record_every, tables, late, progress
+        )
+    else:
+        fix_time, corrections = _python_steps(
+            source, sinks, times, record_every, tables, correction_outputs, late, progress
+        )
+    consumed = times[record_every - late :: record_every]
+    return Recorded(
+        np.concatenate((times[:1], consumed))[:rows],
+        fix_time,
+        tables.truth.columns() if tables.truth else None,
+        [table.columns() for table in tables.filters],
+        [table.columns() for table in tables.fixes],
+        tables.alignment.columns() if tables.alignment else None,
+        corrections,
+    )
+
+
+@dataclass(frozen=True)
+class _Tables:
+    """What is recorded: truth and outputs periodically, outputs at fixes."""
+
+    truth: Table | None
+    filters: list[Table]
+    alignment: Table | None
+    fixes: list[Table]
+
+    @property
+    def after_step(self) -> list[Table]:
+        """Periodic ones of what steps last."""
+        return [*self.filters, *([self.alignment] if self.alignment else [])]
+
+    @property
+    def periodic(self) -> list[Table]:
+        """All of them."""
+        return [*([self.truth] if self.truth else []), *self.after_step]
+
+
+def _compiled_steps(
+    source: Source,
+    advance: Callable[[Loop], None],
+    sinks: Sequence[Sink],
+    times: Array,
+    record_every: int,
+    tables: _Tables,
+    late: bool,
+    progress: Progress,
+) -> Array:
+    """Times of the fixes; what is done in a step, as `_python_steps` does it."""
+    (base, counter), (_, fix_time) = (source.signals.places[name] for name in FIX_SIGNALS)
+    fixes_at = np.empty(len(times) - 1)
+    loop = Loop()
+    if not late:
+        advance(loop)
+    loop.look(source.signals.buffers[base], counter)
+    for sink in sinks:
+        sink.receive_in(loop)
+    loop.note(fixes_at, source.signals.buffers["Real"], fix_time)
+    if tables.truth:
+        loop.append(tables.truth, When.at_row)
+    if late:
+        advance(loop)
+    for sink in sinks:
+        sink.advance_in(loop)
+    for table in tables.fixes:
+        loop.append(table, When.at_fix)
+    for table in tables.after_step:
+        loop.append(table, When.at_row)
+    return np.array(fixes_at[: loop.run(times, record_every, progress)])
+
+
+def _python_steps(
+    source: Source,
+    sinks: Sequence[Sink],
+    times: Array,
+    record_every: int,
+    tables: _Tables,
+    correction_outputs: Sequence[str],
+    late: bool,
+    progress: Progress,
+) -> tuple[Array, list[Corrections]]:
+    """Times of the fixes, and what they corrected."""
+    steps = len(times) - 1
     without, after = (
         [Table(Port(sink.instance, correction_outputs), steps) for sink in sinks if correction_outputs]
         for _ in range(2)
     )
-    recorded_at, fixes_at, corrected_at = [float(times[0])], [], []
-    for table in (*([truth] if truth else []), *after_step):
-        table.append()
-
+    fixes_at, corrected_at = [], []
     (base, counter), (_, fix_time) = (source.signals.places[name] for name in FIX_SIGNALS)
     integers, reals = source.signals.buffers[base], source.signals.buffers["Real"]
     fix_count = integers[counter]
-    clock = times.tolist()
-    late = order is Order.jacobi
-    until_row = record_every
-    for time, end in pairwise(clock):
+    for step_number, (time, end) in enumerate(pairwise(times.tolist()), 1):
         step = end - time
         if not late:
             source.advance(time, step)
@@ -434,35 +593,25 @@ def simulate(
             corrected_at.append(end)
         for sink in sinks:
             sink.receive()
-        until_row -= 1
+        is_row = step_number % record_every == 0
         if is_fix:
             fix_count = integers[counter]
             fixes_at.append(float(reals[fix_time]))
-        if until_row == 0:
-            recorded_at.append(time if late else end)
-            if truth:
-                truth.append()
+        if is_row and tables.truth:
+            tables.truth.append()
         if late:
             source.advance(time, step)
         for sink in sinks:
             sink.advance(time, step)
         if is_fix:
-            for table in (*fixes, *after):
+            for table in (*tables.fixes, *after):
                 table.append()
-        if until_row == 0:
-            until_row = record_every
-            for table in after_step:
+        if is_row:
+            for table in tables.after_step:
                 table.append()
-            progress(len(recorded_at) / rows)
-    return Recorded(
-        np.array(recorded_at),
-        np.array(fixes_at),
-        truth.columns() if truth else None,
-        [table.columns() for table in filters],
-        [table.columns() for table in fixes],
-        alignment.columns() if alignment else None,
-        [
-            Corrections(np.array(corrected_at), before.columns(), behind.columns())
-            for before, behind in zip(without, after, strict=True)
-        ],
-    )
+            progress((step_number // record_every + 1) / (steps // record_every + 1))
+    corrected = [
+        Corrections(np.array(corrected_at), before.columns(), behind.columns())
+        for before, behind in zip(without, after, strict=True)
+    ]
+    return np.array(fixes_at), corrected

@@ -344,9 +344,14 @@ def find(name: str) -> Path:
 
 def search_path() -> list[Path]:
     """Folders in which FMUs are looked for, in this order."""
-    package = Path(__file__).resolve().parent
     named = os.environ.get("TRUENORTH_FMUS")
-    return [Path(named)] if named else [package / "fmus", package.parent / "build" / "fmus"]
+    return [Path(named)] if named else own_folders()
+
+
+def own_folders() -> list[Path]:
+    """Folders in which what comes with this package is looked for, in this order."""
+    package = Path(__file__).resolve().parent
+    return [package / "fmus", package.parent / "build" / "fmus"]
 
 
 def did_you_mean(name: str, known: Mapping[str, object] | list[str]) -> str:

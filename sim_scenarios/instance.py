@@ -76,7 +76,7 @@ class Instance:
             _logger.forget(self._environment)
             raise SimulationError(f"{fmu.path} cannot be instantiated: {error}") from error
         self.component = ctypes.c_void_p(self._slave.component)
-        self._do_step = self._raw("fmi2DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
+        self.do_step = self._raw("fmi2DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
         self.set_values(values)
 
     def set_values(self, values: Mapping[str, Number]) -> None:
@@ -97,8 +97,12 @@ class Instance:
 
     def step(self, time: float, step: float) -> None:
         """Go from time to time + step."""
-        if self._do_step(self.component, time, step, 1) >= _DISCARD:
-            raise self.failure(f"the step from {time:.6g} s")
+        if self.do_step(self.component, time, step, 1) >= _DISCARD:
+            raise self.step_failure(time)
+
+    def step_failure(self, time: float) -> SimulationError:
+        """Error of a step from a time [s] that was refused."""
+        return self.failure(f"the step from {time:.6g} s")
 
     def read(self, names: Sequence[str]) -> list[Number]:
         """Values of scalar variables."""
@@ -203,6 +207,12 @@ class Port:
     """Variables of an instance that are read or written together, through buffers made once.
 
     A port that is given the signals of another writes what the other has read.
+
+    Attributes
+    ----------
+    getters, setters : list of tuples
+        Calls for each base type, in the order of the buffers: function, address and number of the references,
+        address of the buffer.
     """
 
     def __init__(self, instance: Instance, names: Sequence[str], signals: Signals | None = None) -> None:
@@ -213,29 +223,33 @@ class Port:
         for variable in variables:
             references[_BASE[variable.kind]].append(variable.reference)
         self._references = {base: np.array(r, dtype=np.uint32) for base, r in references.items()}
-        self._getters = self._calls("Get")
-        self._setters = self._calls("Set")
+        self.getters = self._calls("Get")
+        self.setters = self._calls("Set")
 
     def read(self) -> None:
         """Variables into the buffers."""
         component = self.instance.component
-        for function, references, size, buffer in self._getters:
+        for function, references, size, buffer in self.getters:
             if function(component, references, size, buffer) >= _DISCARD:
-                raise self._failure("reading")
+                raise self.failure("reading")
 
     def write(self) -> None:
         """Buffers into the variables."""
         component = self.instance.component
-        for function, references, size, buffer in self._setters:
+        for function, references, size, buffer in self.setters:
             if function(component, references, size, buffer) >= _DISCARD:
-                raise self._failure("setting")
+                raise self.failure("setting")
 
     def read_into(self, addresses: Iterable[int]) -> None:
         """Variables into memory at given addresses, one for each base type in the order of the buffers."""
         component = self.instance.component
-        for (function, references, size, _), address in zip(self._getters, addresses, strict=True):
+        for (function, references, size, _), address in zip(self.getters, addresses, strict=True):
             if function(component, references, size, address) >= _DISCARD:
-                raise self._failure("reading")
+                raise self.failure("reading")
+
+    def failure(self, action: str) -> SimulationError:
+        """Error of an access that was refused, by what was done."""
+        return self.instance.failure(f"{action} {', '.join(self.signals.names[:3])} ...")
 
     def _calls(self, verb: str) -> list[tuple[Callable[..., int], int, int, int]]:
         buffers = self.signals.buffers
@@ -243,9 +257,6 @@ class Port:
             (self.instance.accessor(verb + base), r.ctypes.data, len(r), buffers[base].ctypes.data)
             for base, r in self._references.items()
         ]
-
-    def _failure(self, action: str) -> SimulationError:
-        return self.instance.failure(f"{action} {', '.join(self.signals.names[:3])} ...")
 
 
 class _Logger:

@@ -20,7 +20,7 @@ from sim_scenarios.provenance import attributes
 from sim_scenarios.scenario import Scenario, load_scenario
 from sim_scenarios.scenario.tables import FILTER
 from sim_scenarios.scenario_bound import trajectory, with_bound
-from sim_scenarios.stepping import Order
+from sim_scenarios.stepping import Master, Order
 
 Array = NDArray[np.float64]
 Watch = Callable[[Scenario, Source, Sequence[Sink]], Progress]
@@ -115,6 +115,19 @@ def dataset(recorded: Recorded, scenario: Scenario, fmus: Fmus, labels: list[str
     return recording.dataset(recorded, filters, fmus.plant, alignment)
 
 
+def thin(
+    scenario: Scenario,
+    fmus: Fmus,
+    filters: Mapping[str, Mapping[str, Number]],
+    only: Sequence[str],
+    added: Mapping[str, Array] | None = None,
+    master: Master = Master.auto,
+) -> xr.Dataset:
+    """Data set of a run with some outputs, without bound and attributes; arguments as of `simulated`."""
+    recorded, _ = simulated(scenario, fmus, filters, added=added, only=only, master=master)
+    return dataset(recorded, scenario, fmus, list(filters))
+
+
 def simulated(
     scenario: Scenario,
     fmus: Fmus,
@@ -123,17 +136,22 @@ def simulated(
     progress: Progress = lambda _: None,
     added: Mapping[str, Array] | None = None,
     watch: Watch | None = None,
+    only: Sequence[str] | None = None,
+    master: Master = Master.auto,
 ) -> tuple[Recorded, list[Message]]:
-    """What plant and filters recorded and said in a scenario; `added` as of `DisturbedSource`."""
+    """What plant and filters recorded and said in a scenario.
+
+    `added` as of `DisturbedSource`, `only` as of `connect`. What looks at every row has the Python master.
+    """
     with ExitStack() as stack:
-        source, sinks = connect(scenario, fmus, filters, stack, order)
+        source, sinks = connect(scenario, fmus, filters, stack, order, only)
         signals: Source = source
         if added is not None:
             if not isinstance(source, FmuSource):
                 raise InputError(f"{scenario.name}: nothing is added to the signals of an alignment")
             signals = DisturbedSource(source, added)
         if watch is not None:
-            progress = watch(scenario, source, sinks)
-        recorded = record(scenario, fmus, signals, sinks, order, progress)
+            progress, master = watch(scenario, source, sinks), Master.python
+        recorded = record(scenario, fmus, signals, sinks, order, progress, master)
         instances = (source.instance, source.alignment, *(sink.instance for sink in sinks))
         return recorded, [message for instance in instances if instance for message in instance.messages]

@@ -31,6 +31,12 @@ class Order(Choice):
 class Master(Choice):
     """Who steps plant and filters."""
 
-    auto = "auto"  # the container where it can
-    container = "container"
+    auto = "auto"  # the compiled loop where it can
+    compiled = "compiled"
     python = "python"
+
+    @classmethod
+    def _missing_(cls, value: object) -> NoReturn:
+        if value == "container":
+            raise InputError("master = 'container': there is no container any more, but a loop: compiled")
+        super()._missing_(value)

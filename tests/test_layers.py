@@ -29,6 +29,7 @@ MAY_INCLUDE = {
         "contract",
     },
     "fmi": {"fmi", "components", "contract"},
+    "runner": {"runner"},
 }
 INCLUDE = re.compile(r'^\s*#include "(?P<layer>\w+)/', re.MULTILINE)
 

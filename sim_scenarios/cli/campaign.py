@@ -83,7 +83,7 @@ Insecure = Annotated[
     bool, typer.Option("--insecure", help="Take a scheduler of another machine without TLS, too.")
 ]
 Stepping = Annotated[
-    Master, typer.Option(help="Who steps plant and filters: a container FMU, or Python. Same results.")
+    Master, typer.Option(help="Who steps plant and filters: compiled code, or Python. Same results.")
 ]
 Overwrite = Annotated[
     bool, typer.Option(OVERWRITE, help="Discard the results of another campaign in the folder.")

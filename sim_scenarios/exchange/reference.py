@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sim_scenarios.compiled import Loop
 from sim_scenarios.cosimulation import AlignmentSource, FmuSource, Sink, Source, Table
 from sim_scenarios.exchange.forms import Entry
 from sim_scenarios.exchange.start_values import text
@@ -121,6 +122,10 @@ class _Driver:
         )
         self._inputs.write()
         self._vehicle.step(time, step)
+
+    def tell_in(self, loop: Loop) -> None:
+        """Python steps what is exported."""
+        raise NotImplementedError
 
 
 def _driver(system: System, instances: Mapping[str, Instance]) -> _Driver | None:

@@ -21,6 +21,7 @@ from typing import Any
 
 import xarray as xr
 
+from sim_scenarios import compiled
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import reserved
@@ -32,7 +33,6 @@ from sim_scenarios.studies.execution import Effort, Report, Workers
 from sim_scenarios.studies.expectations import Row, rows
 from sim_scenarios.studies.measured import Stored
 from sim_scenarios.studies.plan import Plan, load_plan
-from sim_scenarios.studies.runs import Bench
 
 
 @dataclass(frozen=True)
@@ -51,9 +51,7 @@ class Campaign:
         """Campaign of a plan; everything that can be refused before the first run is."""
         fmus = fmus or Fmus()
         made = cases(plan, fmus)
-        bench = Bench(plan.period, master, fmus)
-        for case in made:
-            bench.runner.uses_container(case.scenario)
+        compiled.steps(master)  # refuses what was asked for and is not there
         return cls(plan, made, folder, master, execution.versions(fmus, plan, made), fmus)
 
     def run(

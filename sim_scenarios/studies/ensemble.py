@@ -20,11 +20,10 @@ from numpy.typing import NDArray
 from sim_scenarios import provenance, recording, simulation
 from sim_scenarios.cosimulation import Progress
 from sim_scenarios.errors import InputError
-from sim_scenarios.fmus import did_you_mean
+from sim_scenarios.fmus import Fmus, did_you_mean
 from sim_scenarios.metrics import figures
 from sim_scenarios.metrics.statistics import nees_of
 from sim_scenarios.recordings.residuals import residuals as residuals_of
-from sim_scenarios.runner import Runner
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.studies.measured import Measured
 from sim_scenarios.timeline import Window
@@ -223,9 +222,9 @@ class _OnWorker(threading.local):
     """What a thread of a worker keeps from one batch to the next."""
 
     @cached_property
-    def runner(self) -> Runner:
-        """With FMUs that are loaded once."""
-        return Runner(outputs())
+    def fmus(self) -> Fmus:
+        """Loaded once."""
+        return Fmus()
 
 
 _on_worker: Final = _OnWorker()
@@ -239,9 +238,9 @@ def _run(
     residuals: Path | None,
     versions: Mapping[str, str] | None,
 ) -> xr.Dataset:
-    runner = _on_worker.runner
-    loaded = load_scenario(scenario, runner.fmus, seed=seed, settings=settings)
-    found = {name: runner.fmus[name].version for name in loaded.fmu_names()}
+    fmus = _on_worker.fmus
+    loaded = load_scenario(scenario, fmus, seed=seed, settings=settings)
+    found = {name: fmus[name].version for name in loaded.fmu_names()}
     if versions is not None and found != versions:
         from sim_scenarios.studies.execution import other_fmus  # slow: Dask
 
@@ -252,13 +251,9 @@ def _run(
             hint = did_you_mean(label, list(known)) or f"; there are {', '.join(known)}"
             raise InputError(f"{scenario} compares no filter '{label}'{hint}")
     filters = {label: known[label] for label in labels}
-    if residuals:
-        added = _residuals(residuals, loaded.communication_step, seed)
-        recorded, _ = simulation.simulated(loaded, runner.fmus, filters, added=added)
-        data = simulation.dataset(recorded, loaded, runner.fmus, list(labels))
-    else:
-        data = runner.simulated(loaded, filters, runner.uses_container(loaded))
-    data.attrs = provenance.attributes(loaded, runner.fmus)
+    added = _residuals(residuals, loaded.communication_step, seed) if residuals else None
+    data = simulation.thin(loaded, fmus, filters, outputs(), added)
+    data.attrs = provenance.attributes(loaded, fmus)
     return data
 
 

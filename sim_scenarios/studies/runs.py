@@ -10,11 +10,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from sim_scenarios import faults, provenance, recording, scenario_bound
+from sim_scenarios import faults, provenance, recording, scenario_bound, simulation
 from sim_scenarios.errors import InputError, SimulationError
-from sim_scenarios.fmus import Fmus
+from sim_scenarios.fmus import Fmus, Number
 from sim_scenarios.metrics import hand_over
-from sim_scenarios.runner import Filters, Runner
 from sim_scenarios.scenario import Scenario
 from sim_scenarios.stepping import Master
 from sim_scenarios.studies.case import Case, filters_of
@@ -22,6 +21,7 @@ from sim_scenarios.studies.quantities import NOTHING, Asked, kept, outputs
 from sim_scenarios.studies.store import State
 
 Array = NDArray[np.float64]
+Filters = Mapping[str, Mapping[str, Number]]
 
 
 @dataclass(frozen=True)
@@ -54,19 +54,23 @@ class Bench:
         fmus: Fmus | None = None,
         asked: Asked = NOTHING,
     ) -> None:
-        self.runner = Runner(outputs(asked), master, fmus)
-        self.fmus = self.runner.fmus
-        self._period, self._asked = period, asked
+        self.fmus = fmus or Fmus()
+        self._period, self._asked, self._master = period, asked, master
+        self._outputs = outputs(asked)
 
     def run(self, case: Case, seed: int, attributes: Mapping[str, Any]) -> Outcome:
         """One run of a case with all its filters; a filter that fails does not touch the others."""
         scenario = case.with_seed(seed)
         filters = filters_of(scenario)
         try:
-            data = self.runner.simulated(scenario, filters, self.runner.uses_container(scenario))
+            data = self._simulated(scenario, filters)
         except SimulationError:
             return self._one_by_one(scenario, filters, attributes)
         return self._outcome(data, attributes)
+
+    def _simulated(self, scenario: Scenario, filters: Filters) -> xr.Dataset:
+        """Data set with what is kept of a run, without attributes."""
+        return simulation.thin(scenario, self.fmus, filters, self._outputs, master=self._master)
 
     def _outcome(self, data: xr.Dataset, attributes: Mapping[str, Any]) -> Outcome:
         """What became of each filter; one that has no start by the evaluation has failed, without figures."""
@@ -88,7 +92,7 @@ class Bench:
         failures: list[str] = []
         for label, values in filters.items():
             try:
-                data = self.runner.simulated(scenario, {label: values}, container=False)
+                data = self._simulated(scenario, {label: values})
             except SimulationError as error:  # noqa: PERF203
                 state[label] = State.failed
                 failures.append(str(error))

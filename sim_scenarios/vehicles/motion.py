@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from sim_scenarios import compiled
 from sim_scenarios.attitude import dcm, right_jacobian
 from sim_scenarios.earth import displaced, displacement, radii
 from sim_scenarios.instance import Instance, Port
@@ -43,7 +44,7 @@ HIGHEST_LATITUDE: Final = 1.57
 """Of the plant, whose local-level frame excludes the poles [rad]."""
 SMOOTHEST: Final = 5
 """Degree of the splines, where there are enough points."""
-BLOCK: Final = 5000
+BLOCK: Final = compiled.STEPS
 """States that are calculated at once."""
 
 
@@ -184,14 +185,27 @@ class Driver:
     def tell(self, time: float, step: float) -> None:
         """Say how the vehicle is at the end of a step from a time [s]; all steps are equally long."""
         if self._next == len(self._block):
-            ahead = step * np.arange(1, BLOCK + 1, dtype=np.float64)
-            self._block = self._vehicle.states(time + ahead)
+            self._renew(time, step)
             self._next = 0
         state = self._block[self._next]
         state[0] = time + step
         self._port.signals.buffers["Real"][:] = state
         self._port.write()
         self._next += 1
+
+    def tell_in(self, loop: compiled.Loop) -> None:
+        """As `tell`, in a compiled loop."""
+        loop.write_rows(self._port, self._rows)
+
+    def _renew(self, time: float, step: float) -> None:
+        ahead = step * np.arange(1, BLOCK + 1, dtype=np.float64)
+        self._block = self._vehicle.states(time + ahead)
+
+    def _rows(self, _: int, times: Array) -> Array:
+        steps = np.diff(times)
+        self._renew(float(times[0]), float(steps[0]))
+        self._block[: len(steps), 0] = times[:-1] + steps
+        return self._block
 
 
 def _derivative(time: Array, values: Array) -> Array:

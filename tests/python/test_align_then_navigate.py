@@ -15,11 +15,9 @@ from typer.testing import CliRunner
 import sim_scenarios
 from sim_scenarios import connection, provenance, recording
 from sim_scenarios.cli.application import app
-from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import judge
 from sim_scenarios.report import report_comparison, report_run
-from sim_scenarios.runner import why_no_container
 from sim_scenarios.scenario import load_scenario
 from sim_scenarios.stepping import Master, Order
 from sim_scenarios.studies.cases import cases
@@ -212,11 +210,3 @@ def test_in_a_campaign_it_counts_as_a_failure(bench: Bench, fmus: Fmus) -> None:
         assert ("loose: the alignment has not converged" in outcome.failure) == (state is State.failed)
         assert all(np.isfinite(values["horizontal_rmse"]) for values in outcome.kept.values())
         assert all(values["hand_over_time"] == 6.0 for values in outcome.kept.values())
-
-
-def test_a_container_is_refused(bench: Bench, fmus: Fmus) -> None:
-    scenario = load_scenario("align_then_navigate", fmus)
-    assert why_no_container(scenario, fmus) == "the container does not pass an alignment on to navigation"
-    assert not bench.runner.uses_container(scenario)
-    with pytest.raises(InputError, match="align_then_navigate cannot run in a container: the container does"):
-        Bench(1.0, Master.container, fmus).runner.uses_container(scenario)

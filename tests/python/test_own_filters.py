@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from fmu_manipulation_toolbox.container import FMUContainer, FMUContainerError
 from foreign import DESCRIPTION, foreign
 
 import sim_scenarios
@@ -23,18 +22,13 @@ from sim_scenarios.fmus import SIGNALS, Fmus
 from sim_scenarios.matrix import judged
 from sim_scenarios.metrics import judge
 from sim_scenarios.metrics.navigation import NavigationVerdict
-from sim_scenarios.provenance import attributes
 from sim_scenarios.recording import of_filter
 from sim_scenarios.report import comparison_table, report_comparison, report_run
-from sim_scenarios.runner import why_no_container
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.stepping import Master
 from sim_scenarios.studies.campaign import campaign
 from sim_scenarios.studies.cases import cases
 from sim_scenarios.studies.plan import load_plan
-from sim_scenarios.studies.runs import Bench
 from sim_scenarios.studies.statistics import summarise
-from sim_scenarios.studies.store import State
 from sim_scenarios.studies.table import figures
 
 SCENARIO = """
@@ -165,13 +159,11 @@ def test_it_is_connected_by_the_names_that_it_has(fmus: Fmus, tmp_path: Path) ->
     assert not np.array_equal(heading["blind"], heading["ours"])
 
 
-@pytest.mark.parametrize("master", ["python", "container"])
+@pytest.mark.parametrize("master", ["python", "auto"])
 def test_a_campaign_has_the_figures_of_a_comparison(
     runs: xr.Dataset, folder: Path, fmus: Fmus, master: str
 ) -> None:
     path = scenario(folder, OURS + THEIRS)
-    if master == "container" and (reason := why_no_container(load_scenario(path, fmus), fmus)):
-        pytest.skip(reason)
     results = campaign(path, folder / master, runs=1, seed=4, workers=1, master=master, fmus=fmus)
     alone = judged(runs)
     rmse = results["heading_rmse"].isel(scenario=0, run=0)
@@ -182,20 +174,6 @@ def test_a_campaign_has_the_figures_of_a_comparison(
     heading, *rows = figures(summary)
     cells = dict(zip(heading, next(row for row in rows if row[0] == "theirs"), strict=True))
     assert (cells["NIS /\nchannel"], cells["NEES at\nthe end"]) == ("-", "-")
-
-
-def test_what_no_container_embeds_is_stepped_by_the_master(
-    folder: Path, fmus: Fmus, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refuse(*_: object, **__: object) -> None:
-        raise FMUContainerError("it is not to its taste")
-
-    monkeypatch.setattr(FMUContainer, "make_fmu", refuse)
-    (case,) = cases(load_plan(scenario(folder, THEIRS)), fmus)
-    with pytest.raises(SimulationError, match="do not go into a container: it is not to its taste"):
-        Bench(1.0, Master.container, fmus).runner.simulated(case.scenario, case.filters(), container=True)
-    outcome = Bench(1.0, Master.auto, fmus).run(case, 4, attributes(case.scenario, fmus))
-    assert outcome.state == {"theirs": State.finished}
 
 
 def test_filters_of_a_campaign_stand_relative_to_its_file(folder: Path, fmus: Fmus) -> None:

@@ -30,8 +30,10 @@ def test_the_order_may_be_given_by_its_value(fmus: Fmus) -> None:
 def test_what_is_no_choice_is_refused(tmp_path: Path, fmus: Fmus) -> None:
     with pytest.raises(InputError, match=r"^order = 'nonsense': must be one of gauss-seidel, jacobi$"):
         sim_scenarios.run("swaying_ship", order="nonsense", fmus=fmus)
-    with pytest.raises(InputError, match=r"^master = 'pyhton': must be one of auto, container, python$"):
+    with pytest.raises(InputError, match=r"^master = 'pyhton': must be one of auto, compiled, python$"):
         sim_scenarios.campaign("swaying_ship", tmp_path, master="pyhton", fmus=fmus)
+    with pytest.raises(InputError, match=r"^master = 'container': there is no container .*: compiled$"):
+        sim_scenarios.campaign("swaying_ship", tmp_path, master="container", fmus=fmus)
 
 
 def test_the_master_may_be_given_by_its_value(

@@ -11,15 +11,14 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim_scenarios import provenance
-from sim_scenarios.container import obstacle
+from sim_scenarios import compiled, provenance, simulation
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import judge
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.studies.ensemble import gathered, thinned
+from sim_scenarios.stepping import Master
+from sim_scenarios.studies.ensemble import gathered, outputs, thinned
 from sim_scenarios.studies.quantities import kept
-from sim_scenarios.studies.runs import Bench
 from sim_scenarios.timeline import inside, instants, whole, within
 from sim_scenarios.units import ARCMIN
 
@@ -29,27 +28,30 @@ STEPS = st.sampled_from([0.001, 0.0025, 0.005, 0.01, 0.02, 0.05, 0.1])
 
 @dataclass(frozen=True)
 class OneRun:
-    """The same run by the Python master and, with the clock that it has, by the container."""
+    """The same run by the Python master and, with the clock that it has, by the compiled loop."""
 
     by_master: xr.Dataset
-    by_container: xr.Dataset
+    by_loop: xr.Dataset
 
 
 @pytest.fixture(scope="module")
 def one_run(fmus: Fmus) -> OneRun:
-    if obstacle(0.1, 1.0) is not None:
-        pytest.skip(f"no container for {platform.system()} {platform.machine()}")
+    if not compiled.steps(Master.auto):
+        pytest.skip(f"no loop for {platform.system()} {platform.machine()}")
     settings = {"duration": DURATION, "evaluation.start": 20.0, "evaluation.stop": 41.4}
     scenario = load_scenario("swaying_ship", fmus, seed=1, settings=settings)
-    bench, filters = Bench(1.0, fmus=fmus), {"EKF": scenario.filters()["EKF"]}
-    master, container = (bench.runner.simulated(scenario, filters, container=by) for by in (False, True))
-    for data in (master, container):
+    filters = {"EKF": scenario.filters()["EKF"]}
+    python, loop = (
+        simulation.thin(scenario, fmus, filters, outputs(), master=master)
+        for master in (Master.python, Master.compiled)
+    )
+    for data in (python, loop):
         data.attrs = provenance.attributes(scenario, fmus)
-    return OneRun(master, container)
+    return OneRun(python, loop)
 
 
 def test_both_masters_have_one_clock(one_run: OneRun) -> None:
-    np.testing.assert_array_equal(one_run.by_master["time"], one_run.by_container["time"])
+    np.testing.assert_array_equal(one_run.by_master["time"], one_run.by_loop["time"])
 
 
 @given(
@@ -65,7 +67,7 @@ def test_compare_campaign_and_bands_agree_to_the_last_bit(
         "evaluation.stop": 0.1 * (start + length) + rounding,
     }
     compared, campaigned = (
-        data.sel(filter="EKF").assign_attrs(window) for data in (one_run.by_master, one_run.by_container)
+        data.sel(filter="EKF").assign_attrs(window) for data in (one_run.by_master, one_run.by_loop)
     )
     verdict, of_campaign = judge(compared), kept(campaigned, 1.0)
     assert verdict.figures()["heading_rmse_arcmin"] == float(of_campaign["heading_rmse"]) / ARCMIN
@@ -81,7 +83,7 @@ def test_the_window_that_two_clocks_and_three_rules_told_apart(one_run: OneRun) 
     assert within(one_run.by_master["time"].values, one_run.by_master["time"].values, 20.0, 41.4)[-1] == (
         pytest.approx(41.4)
     )
-    band = gathered([thinned(one_run.by_container)]).figure("heading", "EKF", (20.0, 41.4))
+    band = gathered([thinned(one_run.by_loop)]).figure("heading", "EKF", (20.0, 41.4))
     assert band == judge(one_run.by_master.sel(filter="EKF")).figures()["heading_rmse_arcmin"]
 
 

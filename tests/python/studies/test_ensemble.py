@@ -11,14 +11,15 @@ import xarray as xr
 from made_up import run_with
 
 import sim_scenarios
+from sim_scenarios import simulation
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import figures, judge
 from sim_scenarios.metrics.figures import FIGURES
 from sim_scenarios.provenance import attributes
 from sim_scenarios.recording import of_filter
-from sim_scenarios.runner import Runner, why_no_container
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.stepping import Master
 from sim_scenarios.studies import ensemble as ensembles
 from sim_scenarios.studies import execution
 from sim_scenarios.studies.ensemble import ESTIMATED_NOISE, Ensemble, ensemble, gathered, outputs, thinned
@@ -87,18 +88,17 @@ def test_for_figures_of_other_packages_all_is_kept_that_they_may_be_made_of(
         ("flight_loose_tight", "tight", SHORT),
     ],
 )
-def test_the_container_makes_the_errors_of_the_python_master(
+def test_the_compiled_loop_makes_the_errors_of_the_python_master(
     fmus: Fmus, scenario: str, label: str, settings: dict[str, object]
 ) -> None:
     loaded = load_scenario(scenario, fmus, seed=5, settings=settings)
-    runner, filters = Runner(outputs(), fmus=fmus), {label: loaded.filters()[label]}
-    if not runner.uses_container(loaded):
-        pytest.skip(str(why_no_container(loaded, fmus)))
-    master, container = (runner.simulated(loaded, filters, container=by) for by in (False, True))
-    for run in (master, container):
+    filters = {label: loaded.filters()[label]}
+    python = simulation.thin(loaded, fmus, filters, outputs(), master=Master.python)
+    loop = simulation.thin(loaded, fmus, filters, outputs())
+    for run in (python, loop):
         run.attrs = attributes(loaded, fmus)
-    made = thinned(container)
-    xr.testing.assert_equal(made, thinned(master))
+    made = thinned(loop)
+    xr.testing.assert_equal(made, thinned(python))
     assert np.isfinite(made["nees"]).all()
     assert (made[ESTIMATED_NOISE] > 0).any()
 

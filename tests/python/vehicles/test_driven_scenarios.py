@@ -11,13 +11,13 @@ import sailing
 import xarray as xr
 
 import sim_scenarios
+from sim_scenarios import compiled, simulation
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.provenance import attributes
 from sim_scenarios.report import report_run
-from sim_scenarios.runner import why_no_container
 from sim_scenarios.scenario import load_scenario
-from sim_scenarios.stepping import Master
+from sim_scenarios.stepping import Master, Order
 from sim_scenarios.studies.cases import cases, fingerprint
 from sim_scenarios.studies.plan import load_plan
 from sim_scenarios.studies.runs import Bench
@@ -104,13 +104,17 @@ def test_nothing_is_drawn_in_vain(folder: Path, fmus: Fmus) -> None:
     assert len(case.draws) == 1
 
 
-def test_the_container_says_why_not(folder: Path, fmus: Fmus) -> None:
+@pytest.mark.skipif(not compiled.steps(Master.auto), reason="no compiled loop")
+@pytest.mark.parametrize("order", Order)
+def test_a_compiled_loop_tells_what_python_tells(folder: Path, fmus: Fmus, order: Order) -> None:
     scenario = load_scenario(folder / "way.toml", fmus)
-    reason = why_no_container(scenario, fmus)
-    assert reason is not None
-    assert reason.startswith("the container does not tell the plant how a vehicle moves")
-    with pytest.raises(InputError, match=r"way cannot run in a container: the container does not tell"):
-        Bench(1.0, Master.container, fmus).runner.uses_container(scenario)
+    python, loop = (
+        simulation.simulated(scenario, fmus, {"UKF": scenario.filter}, order, master=master)[0]
+        for master in (Master.python, Master.compiled)
+    )
+    assert len(loop.time) > 2 * compiled.STEPS * scenario.communication_step / scenario.recording_period
+    for name, values in python.filters[0].items():
+        np.testing.assert_array_equal(loop.filters[0][name], values, err_msg=name)
 
 
 def test_what_extends_a_driven_scenario(folder: Path, fmus: Fmus) -> None:
