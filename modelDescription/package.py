@@ -4,7 +4,7 @@
                     [--folder <include folder>] ... [--library <folder included by its name>] ...
                     [--runtime <library of the compiler>=<its version, or nothing>] ...
     package.py join <Name>.fmu <FMU of one platform> ...
-    package.py bill <file> <pyproject.toml> <name in the wheel>=<FMU> ...
+    package.py bill <file> <pyproject.toml> <name in the wheel>=<FMU or library> ...
 
 To the files given, `pack` adds those that `sources/buildDescription.xml` names and all that they include, and
 the bill of materials of the binary; `bill` writes that of the wheel.
@@ -82,8 +82,11 @@ def main() -> None:
     if given.action == "join":
         join(given.archive, [Path(part) for part in given.parts])
     elif given.action == "bill":
-        project, *fmus = given.parts
-        bill = bill_of_wheel(Path(project), {name: Path(fmu) for name, fmu in pairs(fmus).items()})
+        project, *shipped = given.parts
+        files = {name: Path(file) for name, file in pairs(shipped).items()}
+        fmus = {name: file for name, file in files.items() if file.suffix == ".fmu"}
+        libraries = {name: file for name, file in files.items() if name not in fmus}
+        bill = bill_of_wheel(Path(project), fmus, libraries)
         given.archive.write_text(bill, encoding="utf-8", newline="\n")
     else:
         members = {name: Path(file) for name, file in pairs(given.parts).items()}

@@ -83,22 +83,31 @@ def bill_of_fmu(
     return materials.bill(subject, [*inside, *linked])
 
 
-def bill_of_wheel(project: Path, fmus: Mapping[str, Path]) -> str:
-    """Bill of materials of the wheel: FMUs, what is in them, and the packages that it asks for.
+def bill_of_wheel(project: Path, fmus: Mapping[str, Path], libraries: Mapping[str, Path]) -> str:
+    """Bill of materials of the wheel: FMUs, what is in them, libraries, and the packages that it asks for.
 
     Parameters
     ----------
     project : Path
         pyproject.toml.
-    fmus : mapping of str to Path
-        By the names that they have in the wheel.
+    fmus, libraries : mapping of str to Path
+        By the names that they have in the wheel; libraries have none but our own code, by the first licence.
     """
     about = toml.read(project)["project"]
     subject = materials.part(about["name"], about["license"], about["version"], type="application")
     extras = {name: asked for name, asked in about["optional-dependencies"].items() if name != "dev"}
     optional = [one for asked in extras.values() for one in asked]
     packages = [*_packages(about["dependencies"], "required"), *_packages(optional, "optional")]
-    return materials.bill(subject, [*materials.of_fmus(fmus), *packages])
+    own = [
+        materials.part(
+            path.stem,
+            about["license"].partition(" AND ")[0],
+            about["version"],
+            **{"bom-ref": name, "hashes": [materials.digest(path)]},
+        )
+        for name, path in libraries.items()
+    ]
+    return materials.bill(subject, [*materials.of_fmus(fmus), *own, *packages])
 
 
 def _version(library: Library, folders: Sequence[Path], libraries: Sequence[Path]) -> str:

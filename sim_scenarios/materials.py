@@ -65,9 +65,13 @@ def of_fmus(fmus: Mapping[str, Path]) -> list[Part]:
         for content in bills.values():
             said = json.loads(content)
             inside += [one for one in said["components"] if one not in inside]
-        digest = {"alg": "SHA-256", "content": sha256(path)}
-        parts.append({**said["metadata"]["component"], "bom-ref": name, "hashes": [digest]})
+        parts.append({**said["metadata"]["component"], "bom-ref": name, "hashes": [digest(path)]})
     return [*parts, *inside]
+
+
+def digest(path: Path) -> dict[str, str]:
+    """Hash of a file, as a bill has it."""
+    return {"alg": "SHA-256", "content": sha256(path)}
 
 
 def sha256(path: Path) -> str:

@@ -156,7 +156,7 @@ def test_the_bill_of_materials_of_the_wheel_asks_for_what_its_metadata_does(
     monkeypatch.chdir(ROOT)
     folder = tmp_path / prepare_metadata_for_build_wheel(str(tmp_path), {"wheel.cmake": "false"})
     metadata = (folder / "METADATA").read_text("utf-8")
-    bill = json.loads(bill_of_wheel(ROOT / "pyproject.toml", {}))
+    bill = json.loads(bill_of_wheel(ROOT / "pyproject.toml", {}, {}))
     named = {part["name"] for part in bill["components"]}
     lines = re.findall(r"^Requires-Dist: (.*)", metadata, re.M)
     assert named == {re.split(r"[^\w.-]", line)[0] for line in lines if 'extra == "dev"' not in line}

@@ -118,13 +118,20 @@ def fmu(folder: Path, *platforms: str) -> Path:
 def test_the_bill_of_the_wheel_has_fmus_their_parts_and_packages(folder: Path) -> None:
     (folder / "pyproject.toml").write_text(PROJECT)
     sieve = fmu(folder, "linux64", "win64")
-    bill = bill_of_wheel(folder / "pyproject.toml", {"fmus/Sieve.fmu": sieve})
+    library = folder / "loop.so"
+    library.write_bytes(b"loop")
+    bill = bill_of_wheel(folder / "pyproject.toml", {"fmus/Sieve.fmu": sieve}, {"fmus/loop.so": library})
     subject, parts = json.loads(bill)["metadata"]["component"], by_name(bill)
     assert (subject["type"], subject["name"], subject["version"]) == ("application", "truenorth", "7.1")
     assert subject["licenses"] == [{"expression": "BSD-3-Clause AND MPL-2.0"}]
     assert len(parts) == len(json.loads(bill)["components"])  # each once
     packages = {"numpy", "zarr", "cryptography"}
-    assert parts.keys() == {"Sieve", "Eigen", "cereal", "FMI 3 headers", "libgcc", "libc++"} | packages
+    assert (
+        parts.keys() == {"Sieve", "Eigen", "cereal", "FMI 3 headers", "libgcc", "libc++", "loop"} | packages
+    )
+    assert parts["loop"]["bom-ref"] == "fmus/loop.so"
+    assert parts["loop"]["hashes"] == [{"alg": "SHA-256", "content": materials.sha256(library)}]
+    assert parts["loop"]["licenses"] == [{"license": {"id": "BSD-3-Clause"}}]
     assert parts["Sieve"]["bom-ref"] == "fmus/Sieve.fmu"
     assert parts["Sieve"]["hashes"] == [{"alg": "SHA-256", "content": materials.sha256(sieve)}]
     assert {parts[name]["scope"] for name in ("numpy", "zarr")} == {"required"}

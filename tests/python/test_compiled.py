@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import platform
+import re
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from ctypes import CFUNCTYPE, c_double, c_int, c_size_t, c_void_p
@@ -79,6 +81,16 @@ def test_the_loop_gives_the_results_of_the_python_master(
     fmus: Fmus, scenario: str, settings: dict[str, object], order: Order
 ) -> None:
     same(fmus, scenario, settings, order)
+
+
+def test_the_name_of_the_function_counts_the_changes_of_its_structs() -> None:
+    """A library of another version would read them wrongly: with a new hash comes the next number."""
+    text = (Path(__file__).parents[2] / "fmu_src" / "runner" / "loop.hpp").read_text(encoding="utf-8")
+    found = "".join(re.findall(r"^(?:struct|enum class) .*?^\};", text, re.MULTILINE | re.DOTALL))
+    assert all(name in found for name in ("Kind", "When", "Operation", "Loop"))
+    words = " ".join(re.sub("//.*", "", found).split())
+    digest = hashlib.sha256(words.encode()).hexdigest()[:16]
+    assert (compiled._FUNCTION, digest) == ("truenorth_run_1", "be77c8da3a7690fd")
 
 
 @needs_loop
