@@ -31,10 +31,12 @@ Array = NDArray[np.float64]
 Call = tuple[Any, ...]
 """Of `Port.getters` or `Port.setters`."""
 NextRows = Callable[[int, Array], NDArray[Any]]
-"""Rows for n steps, shape (n, ...), by the number of the first and the communication points, (n + 1,)."""
+"""Rows for n steps or more, by the number of the first step and the communication points, shape (n + 1,)."""
 
-STEPS: Final = 1000
-"""Steps from one return to Python to the next."""
+GIVEN: Final = 1000
+"""Steps for which rows are made at once."""
+AT_ONCE: Final = 50
+"""Steps from one return to Python to the next: few, since an FMU of somebody else's may be slow."""
 _DOUBLE: Final = 8  # bytes
 _FUNCTION: Final = "truenorth_run_1"
 
@@ -132,7 +134,7 @@ class Loop:
         self._operations: list[_Operation] = []
         self._failures: list[Callable[[float], SimulationError]] = []
         self._tables: list[tuple[Rows, When]] = []
-        self._rows: list[tuple[int, str, NextRows]] = []
+        self._rows: list[tuple[int, str, NextRows, Any]] = []
         self._memory: list[NDArray[Any]] = []  # which operations refer to
 
     def step(self, instance: Instance) -> None:
@@ -153,7 +155,7 @@ class Loop:
     def write_rows(self, port: Port, rows: NextRows) -> None:
         """A row for each step into the variables of a port, all of them Real."""
         (call,) = port.setters
-        self._rows.append((len(self._operations), "values", rows))
+        self._rows.append((len(self._operations), "values", rows, np.float64))
         self._access(port, "setting", call, values_stride=_DOUBLE * len(port.signals.names))
 
     def gather(self, values: NDArray[Any], signals: NDArray[Any], places: NDArray[np.integer[Any]]) -> None:
@@ -162,12 +164,14 @@ class Loop:
 
     def gather_rows(self, values: NDArray[Any], rows: NextRows) -> None:
         """As `values[:] = row`, with a row for each step."""
-        self._rows.append((len(self._operations), "signals", rows))
+        self._rows.append((len(self._operations), "signals", rows, values.dtype))
         self._gather(values, values, np.arange(len(values)), signals_stride=values.nbytes)
 
     def add_rows(self, values: Array, places: NDArray[np.integer[Any]], rows: NextRows) -> None:
         """As `values[places] += row`, with a row for each step."""
-        self._rows.append((len(self._operations), "signals", rows))
+        if values.dtype != np.float64:
+            raise TypeError(f"nothing can be added to signals of type {values.dtype}")
+        self._rows.append((len(self._operations), "signals", rows, np.float64))
         self._gather(values, values, places, kind=_Kind.add, signals_stride=_DOUBLE * len(places))
 
     def note(self, values: NDArray[Any], signals: NDArray[Any], place: int) -> None:
@@ -213,19 +217,33 @@ class Loop:
         times = np.ascontiguousarray(times, np.float64)
         fix_count = int(self._counter[0])
         loop = _Loop(operations, len(operations), times.ctypes.data, 0, steps_per_row, 0, fix_count)
-        end, held = len(times) - 1, dict[int, NDArray[Any]]()
-        for begin in range(0, end, STEPS):
-            until = min(begin + STEPS, end)
-            for place, part, rows in self._rows:
-                held[place] = rows(begin, times[begin : until + 1])
-                setattr(operations[place], part, held[place].ctypes.data)
-            refused = function(loop, until)
-            if refused >= 0:
-                raise self._failures[refused](float(times[loop.done]))
-            progress(until / end)
+        end = len(times) - 1
+        for begin in range(0, end, GIVEN):
+            until = min(begin + GIVEN, end)
+            held = [  # alive as long as operations refer to them
+                self._given(
+                    operations[place], part, rows(begin, times[begin : until + 1]), dtype, until - begin
+                )
+                for place, part, rows, dtype in self._rows
+            ]
+            for slice_end in range(begin + AT_ONCE, until + AT_ONCE, AT_ONCE):
+                refused = function(loop, min(slice_end, until))
+                if refused >= 0:
+                    raise self._failures[refused](float(times[loop.done]))
+                progress(loop.done / end)
+            del held
         for table, when in self._tables:
             table.rows += loop.fixes if when is When.at_fix else end // steps_per_row
         return int(loop.fixes)
+
+    @staticmethod
+    def _given(operation: _Operation, part: str, rows: NDArray[Any], dtype: Any, count: int) -> NDArray[Any]:
+        """Rows of the next steps as the library reads them, to which the operation refers from now on."""
+        if len(rows) < count:
+            raise IndexError(f"there are {len(rows)} rows for {count} steps")
+        given = np.ascontiguousarray(rows[:count], dtype)
+        setattr(operation, part, given.ctypes.data)
+        return given
 
     def _access(self, port: Port, action: str, call: Call, **entries: Any) -> None:
         function, references, count, values = call

@@ -44,7 +44,7 @@ HIGHEST_LATITUDE: Final = 1.57
 """Of the plant, whose local-level frame excludes the poles [rad]."""
 SMOOTHEST: Final = 5
 """Degree of the splines, where there are enough points."""
-BLOCK: Final = compiled.STEPS
+BLOCK: Final = compiled.GIVEN
 """States that are calculated at once."""
 
 

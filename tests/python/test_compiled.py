@@ -192,7 +192,7 @@ def test_a_run_is_interrupted_between_steps(fmus: Fmus) -> None:
 
     with pytest.raises(KeyboardInterrupt):
         sim_scenarios.run("swaying_ship", progress=interrupt, fmus=fmus)
-    assert shares == [compiled.STEPS / 60_000, 2 * compiled.STEPS / 60_000]
+    assert shares == [compiled.AT_ONCE / 60_000, 2 * compiled.AT_ONCE / 60_000]
     again = sim_scenarios.run("swaying_ship", set=SHORT, fmus=fmus)
     assert again.identical(sim_scenarios.run("swaying_ship", set=SHORT, fmus=fmus))
 

@@ -112,7 +112,7 @@ def test_a_compiled_loop_tells_what_python_tells(folder: Path, fmus: Fmus, order
         simulation.simulated(scenario, fmus, {"UKF": scenario.filter}, order, master=master)[0]
         for master in (Master.python, Master.compiled)
     )
-    assert len(loop.time) > 2 * compiled.STEPS * scenario.communication_step / scenario.recording_period
+    assert len(loop.time) > 2 * compiled.GIVEN * scenario.communication_step / scenario.recording_period
     for name, values in python.filters[0].items():
         np.testing.assert_array_equal(loop.filters[0][name], values, err_msg=name)
 
