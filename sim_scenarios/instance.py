@@ -218,6 +218,7 @@ class Port:
     def __init__(self, instance: Instance, names: Sequence[str], signals: Signals | None = None) -> None:
         variables = [instance.fmu.variables[name] for name in names]
         self.instance = instance
+        self._names = list(names)
         self.signals = signals or Signals(variables)
         references: dict[str, list[int]] = {base: [] for base in self.signals.buffers}
         for variable in variables:
@@ -249,7 +250,7 @@ class Port:
 
     def failure(self, action: str) -> SimulationError:
         """Error of an access that was refused, by what was done."""
-        return self.instance.failure(f"{action} {', '.join(self.signals.names[:3])} ...")
+        return self.instance.failure(f"{action} {', '.join(self._names[:3])} ...")
 
     def _calls(self, verb: str) -> list[tuple[Callable[..., int], int, int, int]]:
         buffers = self.signals.buffers

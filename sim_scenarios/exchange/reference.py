@@ -112,20 +112,19 @@ class _Driver:
     def __init__(self, vehicle: Instance, plant: Instance, connection: Connection) -> None:
         self._vehicle = vehicle
         self._outputs = Port(vehicle, list(connection.outputs.values()))
-        self._inputs = Port(plant, list(connection.outputs))
+        self._inputs = Port(plant, list(connection.outputs), self._outputs.signals)
 
     def tell(self, time: float, step: float) -> None:
         """All components step at once."""
         self._outputs.read()
-        self._inputs.signals.assign(
-            [self._outputs.signals.value(name) for name in self._outputs.signals.names]
-        )
         self._inputs.write()
         self._vehicle.step(time, step)
 
     def tell_in(self, loop: Loop) -> None:
-        """Python steps what is exported."""
-        raise NotImplementedError
+        """As `tell`, in a compiled loop."""
+        loop.read(self._outputs)
+        loop.write(self._inputs)
+        loop.step(self._vehicle)
 
 
 def _driver(system: System, instances: Mapping[str, Instance]) -> _Driver | None:
