@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import importer_table
@@ -13,8 +14,14 @@ from numpy.typing import NDArray
 from typer.testing import CliRunner
 
 from sim_scenarios.cli.application import app
+from sim_scenarios.cosimulation import Recorded, simulate
+from sim_scenarios.exchange import reference as reference_results
+from sim_scenarios.exchange.driven import with_vehicle
+from sim_scenarios.exchange.system import of_scenario
 from sim_scenarios.fmus import Fmu, Fmus
+from sim_scenarios.instance import Instance
 from sim_scenarios.scenario import load_scenario
+from sim_scenarios.stepping import Master, Order
 from sim_scenarios.vehicles import Vehicle
 
 SCENARIO = """
@@ -114,3 +121,26 @@ def test_the_partner_is_told_what_moves_the_plant(folder: Path) -> None:
     text = (folder / "README.md").read_text(encoding="utf-8")
     assert "`Playback` plays how a vehicle moves into the inputs `external.*` of `TruthPlant`" in text
     assert "`truth.latitude` to `external.position[1]`" in text
+
+
+def test_the_compiled_loop_drives_the_plant_as_python_does(
+    folder: Path, vehicle: Vehicle, tmp_path: Path
+) -> None:
+    """The driver of the reference results in `cosimulation.simulate`, by both masters, to the same bits."""
+    fmus = Fmus({path.stem: Fmu(path) for path in FMUS.glob("*.fmu")})
+    made = of_scenario(load_scenario(folder.parent / "buoy.toml", fmus), fmus)
+    system, times = with_vehicle(made, vehicle, fmus["Playback"], tmp_path), STEP * np.arange(301)
+
+    def run(master: Master) -> Recorded:
+        with ExitStack() as stack:
+            instances = {
+                c.name: stack.enter_context(closing(Instance(c.fmu, c.name, c.values)))
+                for c in system.components
+            }
+            source, sink = reference_results._connected(system, instances)
+            return simulate(source, [sink], times, record_every=10, order=Order.jacobi, master=master)
+
+    python, loop = run(Master.python), run(Master.compiled)
+    assert np.ptp(python.filters[0]["nav.latitude"]) > 1e-6
+    for name, values in python.filters[0].items():
+        np.testing.assert_array_equal(loop.filters[0][name], values, err_msg=name)
