@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import platform
 import re
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
@@ -36,10 +35,6 @@ from sim_scenarios.studies.store import State
 SHORT = {"duration": 45.0, "evaluation.start": 20.0, "evaluation.stop": 45.0}
 BOTH = (Master.python, Master.compiled)
 
-needs_loop = pytest.mark.skipif(
-    not compiled.steps(Master.auto), reason=f"no loop for {platform.system()} {platform.machine()}"
-)
-
 
 def same(
     fmus: Fmus,
@@ -63,7 +58,6 @@ def same(
     return data
 
 
-@needs_loop
 @pytest.mark.parametrize(
     ("scenario", "settings"),
     [
@@ -93,20 +87,17 @@ def test_the_name_of_the_function_counts_the_changes_of_its_structs() -> None:
     assert (compiled._FUNCTION, digest) == ("truenorth_run_1", "be77c8da3a7690fd")
 
 
-@needs_loop
 def test_several_fixes_in_a_period_and_steps_behind_the_last_row(fmus: Fmus) -> None:
     data = same(fmus, "waves", {"gnss.rate": 20.0, "recording_period": 0.7})
     assert data.sizes == {**data.sizes, "time": 65, "fix": 900}
     assert float(data["time"][-1]) == pytest.approx(44.8)
 
 
-@needs_loop
 def test_what_is_added_begins_anew_behind_its_end(fmus: Fmus) -> None:
     added = {"imu.delta_angle[1]": 1e-9 * np.arange(7.0), "imu.delta_velocity[2]": 1e-7 * np.arange(1301.0)}
     same(fmus, "swaying_ship", {}, added=added)
 
 
-@needs_loop
 @pytest.mark.parametrize("task", Filter)
 def test_a_recording_is_replayed_to_the_same_bits(
     fmus: Fmus, monkeypatch: pytest.MonkeyPatch, task: Filter
@@ -127,7 +118,6 @@ def test_a_recording_is_replayed_to_the_same_bits(
     assert loop.identical(python)
 
 
-@needs_loop
 @pytest.mark.parametrize("master", BOTH)
 def test_a_campaign_keeps_the_same(fmus: Fmus, master: Master) -> None:
     (case,) = cases(load_plan("swaying_ship", set=SHORT), fmus)
@@ -139,7 +129,6 @@ def test_a_campaign_keeps_the_same(fmus: Fmus, master: Master) -> None:
     np.testing.assert_array_equal(outcome.kept["UKF"]["heading_error"], np.abs(heading))
 
 
-@needs_loop
 @pytest.mark.parametrize("master", BOTH)
 def test_an_fmu_that_stops_says_when_and_why(fmus: Fmus, master: Master) -> None:
     settings = {**SHORT, "communication_step": 0.015, "recording_period": 0.15}
@@ -152,7 +141,6 @@ STEP = CFUNCTYPE(c_int, c_void_p, c_double, c_double, c_int)
 ACCESS = CFUNCTYPE(c_int, c_void_p, c_void_p, c_size_t, c_void_p)
 
 
-@needs_loop
 @pytest.mark.parametrize("master", BOTH)
 def test_a_filter_that_stops_under_way_says_when_and_in_what(fmus: Fmus, master: Master) -> None:
     """In the second turn of the loop; stand-ins for functions of the FMU refuse."""
@@ -181,7 +169,6 @@ def test_a_filter_that_stops_under_way_says_when_and_in_what(fmus: Fmus, master:
     assert next(accessed) == 1501
 
 
-@needs_loop
 def test_a_run_is_interrupted_between_steps(fmus: Fmus) -> None:
     shares: list[float] = []
 
@@ -227,7 +214,6 @@ def test_a_library_of_another_version_is_left_alone(tmp_path: Path, monkeypatch:
         compiled._library.cache_clear()
 
 
-@needs_loop
 def test_a_source_that_only_python_steps(fmus: Fmus, monkeypatch: pytest.MonkeyPatch) -> None:
     """A live view sees every row."""
     monkeypatch.setattr(cosimulation, "Loop", None)

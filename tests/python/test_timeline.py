@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,7 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim_scenarios import compiled, provenance, simulation
+from sim_scenarios import provenance, simulation
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.metrics import judge
@@ -36,8 +35,6 @@ class OneRun:
 
 @pytest.fixture(scope="module")
 def one_run(fmus: Fmus) -> OneRun:
-    if not compiled.steps(Master.auto):
-        pytest.skip(f"no loop for {platform.system()} {platform.machine()}")
     settings = {"duration": DURATION, "evaluation.start": 20.0, "evaluation.stop": 41.4}
     scenario = load_scenario("swaying_ship", fmus, seed=1, settings=settings)
     filters = {"EKF": scenario.filters()["EKF"]}

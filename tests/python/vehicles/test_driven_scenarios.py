@@ -104,7 +104,6 @@ def test_nothing_is_drawn_in_vain(folder: Path, fmus: Fmus) -> None:
     assert len(case.draws) == 1
 
 
-@pytest.mark.skipif(not compiled.steps(Master.auto), reason="no compiled loop")
 @pytest.mark.parametrize("order", Order)
 def test_a_compiled_loop_tells_what_python_tells(folder: Path, fmus: Fmus, order: Order) -> None:
     scenario = load_scenario(folder / "way.toml", fmus)
