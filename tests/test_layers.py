@@ -12,12 +12,13 @@ ROOT = Path(__file__).parents[1]
 SOURCES = ROOT / "fmu_src"
 MAY_INCLUDE = {
     "contract": {"contract"},
-    "inertial": {"inertial"},
-    "estimation": {"estimation"},
-    "error_models": {"error_models", "estimation", "inertial"},
-    "aiding": {"aiding", "estimation", "inertial"},
-    "filter": {"filter", "error_models", "aiding", "estimation", "inertial", "contract"},
-    "plant": {"plant", "inertial"},
+    "elementary": {"elementary"},
+    "inertial": {"inertial", "elementary"},
+    "estimation": {"estimation", "elementary"},
+    "error_models": {"error_models", "estimation", "inertial", "elementary"},
+    "aiding": {"aiding", "estimation", "inertial", "elementary"},
+    "filter": {"filter", "error_models", "aiding", "estimation", "inertial", "elementary", "contract"},
+    "plant": {"plant", "inertial", "elementary"},
     "components": {
         "components",
         "filter",
@@ -26,6 +27,7 @@ MAY_INCLUDE = {
         "estimation",
         "plant",
         "inertial",
+        "elementary",
         "contract",
     },
     "fmi": {"fmi", "components", "contract"},
@@ -52,6 +54,31 @@ def test_includes_point_one_way(layer: str) -> None:
         path.name: wrong for path in files if (wrong := forbidden(layer, path.read_text(encoding="utf-8")))
     }
     assert offences == {}
+
+
+OF_THE_LIBRARY = re.compile(
+    r"std::(?:a?(?:sin|cos|tan)h?|atan2|exp[m12]*|log(?:1p|2|10)?|pow|cbrt|hypot|[lt]gamma|erfc?)\("
+    r"|\.(?:sin|cos|tan|exp|log|pow|cube)\("
+)
+"""Functions of the C library, and of Eigen, whose last bit depends on the processor."""
+
+
+@pytest.mark.parametrize("layer", sorted(MAY_INCLUDE))
+def test_elementary_functions_are_our_own(layer: str) -> None:
+    """So that the same seed has the same bits everywhere."""
+    offences = {
+        path.name: found
+        for path in sorted((SOURCES / layer).rglob("*.[ch]pp"))
+        if (found := OF_THE_LIBRARY.findall(path.read_text(encoding="utf-8")))
+    }
+    assert offences == {}
+
+
+def test_a_function_of_the_library_is_found() -> None:
+    for text in ("std::atan2(y, x)", "std::expm1(x)", "S.array().log().sum()", "std::pow(x, 2)"):
+        assert OF_THE_LIBRARY.search(text), text
+    for text in ("std::abs(x)", "exponential(x)", "log.event(x)", "std::exp2f"):
+        assert not OF_THE_LIBRARY.search(text), text
 
 
 def test_no_source_is_included() -> None:
@@ -82,6 +109,7 @@ ORDERS = {
         *("quantities", "measured", "expectations", "draws", "plan", "case", "unfaulted", "cases"),
         *(
             "store",
+            "packing",
             "runs",
             "cluster",
             "execution",

@@ -8,6 +8,7 @@
 
 #include "components/truth_plant_models.hpp"
 #include "contract/parameter_rules.hpp"
+#include "elementary/sincos.hpp"
 #include "inertial/earth.hpp"
 #include "plant/fix_queue.hpp"
 #include "plant/transition.hpp"
@@ -73,7 +74,7 @@ void check_segments(const Parameters::Motion& motion, const std::string& vehicle
         };
         const double steepest = std::max(std::abs(climb), std::abs(climb_angle[i]));
         if (std::max(speed, speed_after) * push_over.peak_rate() >=
-            earth::kStandardGravity * std::cos(steepest)) {
+            earth::kStandardGravity * sincos(steepest).cosine) {
             rules::refuse(element("motion.segment.climb_angle", i), climb_angle[i],
                           "reached in more than " +
                               with_value(element("motion.segment.duration", i), duration[i]) +

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "elementary/exponential.hpp"
 #include "error_models/antenna.hpp"
 #include "estimation/model.hpp"
 #include "inertial/attitude.hpp"
@@ -18,7 +19,7 @@ namespace {
 // Mean over an interval of a Gauss-Markov process that starts at 1.
 double mean_of_decay(double dt, double correlation_time) {
     const double ratio = dt / correlation_time;
-    return std::abs(ratio) < 1e-9 ? 1.0 : -std::expm1(-ratio) / ratio;
+    return std::abs(ratio) < 1e-9 ? 1.0 : -exponential_minus_one(-ratio) / ratio;
 }
 
 }  // namespace
@@ -104,8 +105,8 @@ auto Invariant<coloured>::moved(const State& x, const Interval& interval) const 
     State end = x;
     end.pose = carried(x.pose, felt(x, interval), T);
     if constexpr (coloured) {
-        end.sensors.template segment<3>(6) *= std::exp(-T / noise.gyro.correlation_time);
-        end.sensors.template tail<3>() *= std::exp(-T / noise.accelerometer.correlation_time);
+        end.sensors.template segment<3>(6) *= exponential(-T / noise.gyro.correlation_time);
+        end.sensors.template tail<3>() *= exponential(-T / noise.accelerometer.correlation_time);
     }
     return end;
 }
@@ -132,7 +133,7 @@ Matrix<Invariant<coloured>::kStates> Invariant<coloured>::transition(const State
         const auto append = [&](int state, int column, double correlation_time) {
             Phi.template block<9, 3>(0, state) =
                 mean_of_decay(T, correlation_time) * bias.template middleCols<3>(column);
-            Phi.template block<3, 3>(state, state).diagonal().setConstant(std::exp(-T / correlation_time));
+            Phi.template block<3, 3>(state, state).diagonal().setConstant(exponential(-T / correlation_time));
         };
         append(kGyroMarkov, 0, noise.gyro.correlation_time);
         append(kAccelerometerMarkov, 3, noise.accelerometer.correlation_time);

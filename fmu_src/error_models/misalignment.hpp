@@ -8,9 +8,9 @@
 
 #include <array>
 
+#include "elementary/sincos.hpp"
 #include "estimation/gaussian.hpp"
 #include "inertial/mechanisation.hpp"
-#include "inertial/sincos.hpp"
 
 namespace truenorth {
 

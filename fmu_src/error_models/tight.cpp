@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "elementary/exponential.hpp"
 #include "estimation/model.hpp"
 
 namespace truenorth {
@@ -75,7 +76,8 @@ Matrix<Tight::kStates> Tight::process_noise(const State& /*x*/, const Interval& 
         navigation_error::random_walk_variance(noise.angle_random_walk, noise.velocity_random_walk, dt);
     variance.segment<3>(kGyro).setConstant(dt * squared(noise.gyro_random_walk));
     variance.segment<3>(kGyroMarkov)
-        .setConstant(-squared(noise.gyro_markov_sigma) * std::expm1(-2.0 * dt / noise.gyro_markov_time));
+        .setConstant(-squared(noise.gyro_markov_sigma) *
+                     exponential_minus_one(-2.0 * dt / noise.gyro_markov_time));
     variance.segment<3>(kAccelerometer).setConstant(dt * squared(noise.accelerometer_random_walk));
     const double drift = squared(noise.clock_drift_random_walk);
     variance(kClockBias) = dt * squared(noise.clock_bias_random_walk) + drift * dt * dt * dt / 3.0;

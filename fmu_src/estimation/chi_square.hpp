@@ -4,19 +4,24 @@
 
 #include <cmath>
 
+#include "elementary/exponential.hpp"
+#include "elementary/logarithm.hpp"
+
 namespace truenorth {
 
 // What chi-square of so many degrees of freedom exceeds as rarely as a standard normal variable exceeds
 // `deviate`.
 inline double chi_square_beyond(double deviate, int degrees) {
     const double v = 2.0 / (9.0 * degrees);
-    return degrees * std::pow(1.0 - v + deviate * std::sqrt(v), 3);
+    const double root = 1.0 - v + deviate * std::sqrt(v);
+    return degrees * root * root * root;
 }
 
 // The inverse: the standard normal variable that is as rare as this chi-square.
 inline double normal_deviate(double chi_square, double degrees) {
     const double v = 2.0 / (9.0 * degrees);
-    return (std::cbrt(chi_square / degrees) - (1.0 - v)) / std::sqrt(v);
+    const double root = exponential(logarithm(chi_square / degrees) / 3.0);
+    return (root - (1.0 - v)) / std::sqrt(v);
 }
 
 }  // namespace truenorth

@@ -22,6 +22,8 @@
 #include <utility>
 #include <vector>
 
+#include "elementary/exponential.hpp"
+#include "elementary/logarithm.hpp"
 #include "estimation/innovation_gate.hpp"
 #include "estimation/linearised.hpp"
 #include "estimation/standard.hpp"
@@ -33,7 +35,11 @@ template <int N, int M>
 double log_likelihood(const Innovation<N, M>& innovation) {
     const Eigen::LLT<Matrix<M>> S(innovation.spread + innovation.noise);
     const Vector<M> whitened = S.matrixL().solve(innovation.residual);
-    return -0.5 * whitened.squaredNorm() - S.matrixLLT().diagonal().array().log().sum();
+    double log_determinant = 0.0;  // of the factor
+    for (int i = 0; i < M; ++i) {
+        log_determinant += logarithm(S.matrixLLT()(i, i));
+    }
+    return -0.5 * whitened.squaredNorm() - log_determinant;
 }
 
 // Of a model that is no vector space: it has retract and local.
@@ -122,10 +128,10 @@ class GaussianSum {
         Moments all{.state = heaviest->state, .covariance = Covariance::Zero()};
         double total = 0.0;
         for (const Member& member : members_) {
-            total += std::exp(member.log_weight() - heaviest->log_weight());
+            total += exponential(member.log_weight() - heaviest->log_weight());
         }
         const auto share = [&](const Member& member) {
-            return std::exp(member.log_weight() - heaviest->log_weight()) / total;
+            return exponential(member.log_weight() - heaviest->log_weight()) / total;
         };
         for (int iteration = 0; iteration < kIterations; ++iteration) {
             Vector<M::kStates> mean = Vector<M::kStates>::Zero();

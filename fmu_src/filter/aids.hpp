@@ -227,7 +227,7 @@ struct StandstillRateAid {
     static StandstillRateAid of(const Parameters& p) {
         const double noise = p.process.angle_random_walk / std::sqrt(p.standstill.window);
         const double told = p.standstill.rate_sigma;
-        return {.sigma = told > 0.0 ? std::hypot(told, noise) : 0.0};
+        return {.sigma = told > 0.0 ? std::sqrt(told * told + noise * noise) : 0.0};
     }
     template <class Outputs>
     static auto& health(Outputs& aid) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "contract/time_tolerance.hpp"
+#include "elementary/exponential.hpp"
 
 namespace truenorth {
 
@@ -18,7 +19,7 @@ void HeadingFinder::add(const AntennaState& then, const Eigen::Vector3d& velocit
         const IntervalAverage between = then.travelled - travelled_;
         const Eigen::Vector3d mechanised = between.force() + (then.lever_velocity - lever_velocity_) / dt;
         const Eigen::Vector2d a_measured = (velocity - velocity_).head<2>() / dt;
-        const double keep = std::exp(-dt / kMemory);
+        const double keep = exponential(-dt / kMemory);
         if (fixes_ > 1) {
             take((mechanised - mechanised_).head<2>(), a_measured - measured_, keep,
                  sigma / std::min(dt, spacing_));
@@ -38,7 +39,7 @@ void HeadingFinder::add(const AntennaState& then, const Eigen::Vector3d& velocit
 }
 
 void HeadingFinder::turn(const Eigen::Matrix3d& R, const IntervalAverage& travelled) {
-    const double angle = std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
+    const double angle = arctangent(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
     const Eigen::Rotation2Dd back(-angle);
     sum_ = back * sum_;
     mechanised_ = R * mechanised_;  // gravity too, which a tilt would show as acceleration

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elementary/arctangent.hpp"
 #include "filter/antenna_history.hpp"
 
 namespace truenorth {
@@ -38,7 +39,7 @@ class HeadingFinder {
     void turn_with_measured(const Eigen::Matrix3d& R, const IntervalAverage& travelled);
 
     // By which the computed frame must be turned about up [rad], and how sure that is [rad].
-    [[nodiscard]] double angle() const { return std::atan2(sum_.y(), sum_.x()); }
+    [[nodiscard]] double angle() const { return arctangent(sum_.y(), sum_.x()); }
     [[nodiscard]] double sigma() const { return std::sqrt(noise_ / energy_); }
 
     // The rotation of the computed frame by which its vertical becomes true, and the heading changes by an

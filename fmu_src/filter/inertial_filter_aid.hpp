@@ -89,7 +89,7 @@ bool InertialFilter<Interface, Engines...>::may_stand() const {
                                  kSigmasOfSpeed * std::sqrt(std::max(variance, 0.0));
             const Eigen::Vector3d measured = standstill_.mean().template head<3>();
             const double turns = (measured - engine.gyro_bias()).norm() - earth::kRate;
-            const double off = std::hypot(gyros().bias, standstill_.mean_sigma()(0));
+            const double off = Eigen::Vector2d(gyros().bias, standstill_.mean_sigma()(0)).norm();
             return speed <= parameters.standstill.largest_speed && turns <= kSigmasOfRate * off;
         },
         engine_);

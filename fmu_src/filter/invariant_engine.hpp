@@ -527,7 +527,8 @@ bool InvariantEngine<coloured>::moves(const typename M::State& x, const Preinteg
     gain.template leftCols<3>() -= (gain.template leftCols<3>() * up * up.transpose()).eval();
     const Matrix<2, Base::kStates> level = C_bn.topRows<2>() * gain;
     const double errors = (level * estimator.covariance * level.transpose()).trace();
-    const double noise = 2.0 * std::pow(model.noise.velocity_random_walk, 2) * interval.duration;
+    const double walk = model.noise.velocity_random_walk;
+    const double noise = 2.0 * walk * walk * interval.duration;
     return change.head<2>().squaredNorm() > kSigmas * kSigmas * (errors + noise);
 }
 

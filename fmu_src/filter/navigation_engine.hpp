@@ -237,10 +237,10 @@ Uncertainty NavigationEngine<M>::left_out() const {
     const double north_rate = earth::rate(mechanisation_.state.position.latitude).y();
     const double tilt = accelerometer_bias_sigma / earth::kStandardGravity;
     const double heading = std::min(gyro_bias_sigma / north_rate, std::numbers::pi);
+    const double climb = accelerometer_bias_sigma * lag_.climb;
     Uncertainty more;
     more.attitude.diagonal() = Eigen::Vector3d(tilt, tilt, heading).cwiseAbs2();
-    more.velocity.diagonal() << (gyro_bias_sigma * lag_.speed).cwiseAbs2(),
-        std::pow(accelerometer_bias_sigma * lag_.climb, 2);
+    more.velocity.diagonal() << (gyro_bias_sigma * lag_.speed).cwiseAbs2(), climb * climb;
     return more;
 }
 

@@ -5,10 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "elementary/arctangent.hpp"
+
 namespace truenorth {
 
 double wrap_angle(double angle) {
     constexpr double turn = 2.0 * std::numbers::pi;
+    if (angle >= -std::numbers::pi && angle < std::numbers::pi) {
+        return angle;
+    }
     // Just below an odd multiple of pi, rounding may take one turn too many.
     return std::max(angle - turn * std::floor((angle + std::numbers::pi) / turn), -std::numbers::pi);
 }
@@ -38,12 +43,15 @@ Eigen::Matrix3d dcm(const SineCosine<Eigen::Array3d>& angles) {
 EulerAngles euler_angles(const Eigen::Matrix3d& C_bn) {
     // Third row of C_bn: (-cos p sin r, sin p, cos p cos r); second column: (sin h cos p, cos h cos p, sin
     // p).
-    double heading = std::atan2(C_bn(0, 1), C_bn(1, 1));
+    const double level = std::sqrt(C_bn(2, 0) * C_bn(2, 0) + C_bn(2, 2) * C_bn(2, 2));
+    const Eigen::Array3d angles = arctangent(Eigen::Array3d(-C_bn(2, 0), C_bn(2, 1), C_bn(0, 1)),
+                                             Eigen::Array3d(C_bn(2, 2), level, C_bn(1, 1)));
+    double heading = angles[2];
     if (heading < 0.0) {
         heading += 2.0 * std::numbers::pi;
     }
-    return {.roll = std::atan2(-C_bn(2, 0), C_bn(2, 2)),
-            .pitch = std::atan2(C_bn(2, 1), std::sqrt(C_bn(2, 0) * C_bn(2, 0) + C_bn(2, 2) * C_bn(2, 2))),
+    return {.roll = angles[0],
+            .pitch = angles[1],
             .heading = heading < 2.0 * std::numbers::pi
                            ? heading
                            : 0.0};  // a tiny negative one has become a whole turn
@@ -70,7 +78,7 @@ Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
     if (sine < 1e-12) {
         return 2.0 * sign * q.vec();
     }
-    return (2.0 * std::atan2(sine, sign * q.w()) / sine) * sign * q.vec();
+    return (2.0 * arctangent(sine, sign * q.w()) / sine) * sign * q.vec();
 }
 
 Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& C) { return rotation_vector(Eigen::Quaterniond(C)); }

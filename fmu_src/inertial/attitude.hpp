@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "inertial/sincos.hpp"
+#include "elementary/sincos.hpp"
 
 namespace truenorth {
 

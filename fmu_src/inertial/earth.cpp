@@ -2,8 +2,9 @@
 
 #include <cmath>
 
+#include "elementary/arctangent.hpp"
+#include "elementary/sincos.hpp"
 #include "inertial/attitude.hpp"
-#include "inertial/sincos.hpp"
 
 namespace truenorth::earth {
 
@@ -65,17 +66,17 @@ Eigen::Matrix3d C_en(const Position& position) {
 Position geodetic(const Eigen::Vector3d& ecef) {
     constexpr double semi_minor_axis = kSemiMajorAxis * (1.0 - kFlattening);
     constexpr double second_eccentricity2 = kEccentricity2 / (1.0 - kEccentricity2);
-    const double from_axis = std::hypot(ecef.x(), ecef.y());
-    double latitude = std::atan2(ecef.z(), (1.0 - kEccentricity2) * from_axis);
+    const double from_axis = ecef.head<2>().norm();
+    double latitude = arctangent(ecef.z(), (1.0 - kEccentricity2) * from_axis);
     for (int i = 0; i < 3; ++i) {
         const auto [sin_latitude, cos_latitude] = sincos(latitude);
-        const auto [sine, cosine] = sincos(std::atan2((1.0 - kFlattening) * sin_latitude, cos_latitude));
-        latitude = std::atan2(ecef.z() + second_eccentricity2 * semi_minor_axis * sine * sine * sine,
+        const auto [sine, cosine] = sincos(arctangent((1.0 - kFlattening) * sin_latitude, cos_latitude));
+        latitude = arctangent(ecef.z() + second_eccentricity2 * semi_minor_axis * sine * sine * sine,
                               from_axis - kEccentricity2 * kSemiMajorAxis * cosine * cosine * cosine);
     }
     const auto [sin_latitude, cos_latitude] = sincos(latitude);
     return {.latitude = latitude,
-            .longitude = std::atan2(ecef.y(), ecef.x()),
+            .longitude = arctangent(ecef.y(), ecef.x()),
             .height = from_axis * cos_latitude + ecef.z() * sin_latitude -
                       kSemiMajorAxis * std::sqrt(1.0 - kEccentricity2 * sin_latitude * sin_latitude)};
 }

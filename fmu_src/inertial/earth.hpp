@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "inertial/sincos.hpp"
+#include "elementary/sincos.hpp"
 
 namespace truenorth::earth {
 

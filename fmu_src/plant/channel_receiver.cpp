@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "elementary/sincos.hpp"
 #include "inertial/earth.hpp"
-#include "inertial/sincos.hpp"
 
 namespace truenorth::plant {
 

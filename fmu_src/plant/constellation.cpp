@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "elementary/sincos.hpp"
 #include "inertial/earth.hpp"
-#include "inertial/sincos.hpp"
 
 namespace truenorth::plant {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "elementary/exponential.hpp"
 #include "plant/noise_stream.hpp"
 
 namespace truenorth::plant {
@@ -17,9 +18,9 @@ class GaussMarkov {
     // sigma in the unit of the noise; correlation time and sampling period in s.
     GaussMarkov(double sigma, double correlation_time, double period, NoiseStream stream)
         : sigma_(sigma),
-          decay_(std::exp(-period / correlation_time)),
+          decay_(exponential(-period / correlation_time)),
           // sigma sqrt(1 - decay^2) without the cancellation
-          drive_(sigma * std::sqrt(-std::expm1(-2.0 * period / correlation_time))),
+          drive_(sigma * std::sqrt(-exponential_minus_one(-2.0 * period / correlation_time))),
           stream_(stream) {}
 
     [[nodiscard]] State begin() const { return sigma_ * stream_.normal(0); }

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "inertial/sincos.hpp"
+#include "elementary/sincos.hpp"
 #include "plant/time_window.hpp"
 
 namespace truenorth::plant {

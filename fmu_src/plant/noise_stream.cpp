@@ -3,7 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "inertial/sincos.hpp"
+#include "elementary/logarithm.hpp"
+#include "elementary/sincos.hpp"
 
 namespace truenorth::plant {
 
@@ -16,8 +17,8 @@ Eigen::Vector4d NoiseStream::uniform(std::uint64_t index) const {
 
 Eigen::Vector3d NoiseStream::normal(std::uint64_t index) const {
     const Eigen::Vector4d u = uniform(index);
-    const double radius_0 = std::sqrt(-2.0 * std::log(u[0]));
-    const double radius_1 = std::sqrt(-2.0 * std::log(u[2]));
+    const double radius_0 = std::sqrt(-2.0 * logarithm(u[0]));
+    const double radius_1 = std::sqrt(-2.0 * logarithm(u[2]));
     const auto [sine, cosine] = sincos(2.0 * std::numbers::pi * Eigen::Array2d(u[1], u[3]));
     return {radius_0 * cosine[0], radius_0 * sine[0], radius_1 * cosine[1]};
 }

@@ -5,7 +5,7 @@
 #include <array>
 #include <numbers>
 
-#include "inertial/sincos.hpp"
+#include "elementary/sincos.hpp"
 
 namespace truenorth::plant {
 

@@ -2,10 +2,12 @@
 
 #include <cmath>
 
+#include "elementary/exponential.hpp"
+
 namespace truenorth::plant {
 
 Kinematics ParkedVehicle::at(double time) const {
-    const double left = std::exp(-time / settle_time);
+    const double left = exponential(-time / settle_time);
     const auto [turn, shift] = plant::at(time, angular_vibration, vibration);
     const auto& [angle, angle_rate] = turn;
     const Eigen::Array3d attitude(settle_roll * left + angle[0], settle_pitch * left + angle[1],

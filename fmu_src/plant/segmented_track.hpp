@@ -6,7 +6,7 @@
 #include <array>
 #include <cstddef>
 
-#include "inertial/sincos.hpp"
+#include "elementary/sincos.hpp"
 #include "plant/transition.hpp"
 
 namespace truenorth::plant {

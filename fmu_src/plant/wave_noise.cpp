@@ -4,7 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "inertial/sincos.hpp"
+#include "elementary/exponential.hpp"
+#include "elementary/sincos.hpp"
 
 namespace truenorth::plant {
 
@@ -17,7 +18,7 @@ WaveNoise::WaveNoise(double sigma, double peak_period, double damping, double pe
     N << damping * angle, angle, -angle, -damping * angle;
     const auto [sine, cosine] = sincos(damped_angle);
     transition_ =
-        std::exp(-damping * angle) * (cosine * Eigen::Matrix2d::Identity() + (sine / damped_angle) * N);
+        exponential(-damping * angle) * (cosine * Eigen::Matrix2d::Identity() + (sine / damped_angle) * N);
     // Stationary covariance sigma^2 I = Phi sigma^2 I Phi' + D D'. Short samples leave little of it, hence
     // max.
     const Eigen::Matrix2d added = Eigen::Matrix2d::Identity() - transition_ * transition_.transpose();

@@ -1,38 +1,29 @@
-#include "inertial/sincos.hpp"
+#include "elementary/sincos.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 #include <vector>
+
+#include "elementary/numbers.hpp"
 
 namespace truenorth {
 namespace {
 
 constexpr long double kHalfPi = std::numbers::pi_v<long double> / 2.0L;
 
-// Distance of a number from what it should be, in units of the last place of that.
-double ulps(double number, long double exact) {
-    int exponent = 0;
-    std::frexp(exact, &exponent);
-    return static_cast<double>(std::abs(number - exact) / std::ldexp(1.0L, exponent - 53));
-}
-
 // Small and large angles of both signs, and the doubles round multiples of a quarter turn, where what is left
 // of the angle has lost the most digits.
 std::vector<double> angles() {
-    std::mt19937_64 bits(1);
-    const auto uniform = [&](double from, double to) {
-        return from + (to - from) * (static_cast<double>(bits() >> 11U) * 0x1p-53);
-    };
+    Drawn drawn;
     std::vector<double> all{0.0, 1e-300, 5e-324, 1e8, -1e8};
     for (int i = 0; i < 50000; ++i) {
-        all.push_back(uniform(-7.0, 7.0));
-        all.push_back(std::exp2(uniform(-60.0, 26.5)));
-        all.push_back(-std::exp2(uniform(-60.0, 26.5)));
-        const double quarter_turns = std::floor(std::exp2(uniform(0.0, 25.9)));
+        all.push_back(drawn.uniform(-7.0, 7.0));
+        all.push_back(std::exp2(drawn.uniform(-60.0, 26.5)));
+        all.push_back(-std::exp2(drawn.uniform(-60.0, 26.5)));
+        const double quarter_turns = std::floor(std::exp2(drawn.uniform(0.0, 25.9)));
         const auto near = static_cast<double>(quarter_turns * kHalfPi);
         all.insert(all.end(),
                    {near, std::nextafter(near, 0.0), std::nextafter(near, 1e9), std::nextafter(-near, 0.0)});
@@ -91,16 +82,13 @@ TEST(Sincos, OfWhatIsNoAngleIsNoNumber) {
 // The bits are part of the signals. FNV-1a over all of them, as it was on x86-64, with and without AVX2 and
 // FMA in the C library, and on aarch64.
 TEST(Sincos, HasTheSameBitsEverywhere) {
-    std::uint64_t hash = 0xcbf29ce484222325U;
-    const auto add = [&](double number) {
-        hash = (hash ^ std::bit_cast<std::uint64_t>(number)) * 0x100000001b3U;
-    };
+    Print print;
     for (int i = -200000; i < 200000; ++i) {
         const auto [sine, cosine] = sincos(i * 0x1.9p-7 + 0x1p-40 * i * i);
-        add(sine);
-        add(cosine);
+        print.add(sine);
+        print.add(cosine);
     }
-    EXPECT_EQ(hash, 8973664113680001584U);
+    EXPECT_EQ(print.value(), 8973664113680001584U);
 }
 
 }  // namespace
