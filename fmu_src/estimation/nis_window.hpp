@@ -19,6 +19,7 @@ class NisWindow {
     void restart() {
         parts_ = {};
         any_ = false;
+        known_ = {};
     }
 
     // A measurement of `channels` channels at `time` [s], not before the last one.
@@ -29,22 +30,17 @@ class NisWindow {
             part = {.number = number};
         }
         any_ = true;
+        known_ = {};
         part.nis += nis;
         part.channels += channels;
     }
 
     // NIS per channel over the window that ends now; 1 is expected, 0 if there was nothing.
-    [[nodiscard]] double mean(double now) const {
-        const Part sum = total(now);
-        return sum.channels > 0 ? sum.nis / sum.channels : 0.0;
-    }
+    [[nodiscard]] double mean(double now) const { return about(now).mean; }
 
     // As how rare, in standard deviations of a normal variable, a consistent filter would see so large
     // innovations; 0 if there was nothing.
-    [[nodiscard]] double deviate(double now) const {
-        const Part sum = total(now);
-        return sum.channels > 0 ? normal_deviate(sum.nis, sum.channels) : 0.0;
-    }
+    [[nodiscard]] double deviate(double now) const { return about(now).deviate; }
 
     template <class Archive>
     void serialize(Archive& archive) {
@@ -52,6 +48,7 @@ class NisWindow {
             archive(part.number, part.nis, part.channels);
         }
         archive(any_);
+        known_ = {};
     }
 
   private:
@@ -69,23 +66,40 @@ class NisWindow {
         return static_cast<std::int64_t>(std::clamp(std::floor(time * kParts / length), -most, most));
     }
 
-    [[nodiscard]] Part total(double now) const {
-        Part sum;
+    // What follows from the parts in the window, which is asked for at every step and seldom changes.
+    struct Known {
+        std::int64_t number = 0;
+        double length = 0.0;  // 0: nothing is known
+        double mean = 0.0;
+        double deviate = 0.0;
+    };
+
+    [[nodiscard]] const Known& about(double now) const {
         if (!any_) {  // as of every aid that a vehicle does not have
-            return sum;
+            return known_;
         }
         const std::int64_t current = number_of(now);
+        if (known_.number == current && known_.length == length) {
+            return known_;
+        }
+        Part sum;
         for (const Part& part : parts_) {
             if (part.number > current - kParts) {
                 sum.nis += part.nis;
                 sum.channels += part.channels;
             }
         }
-        return sum;
+        known_ = {.number = current, .length = length};
+        if (sum.channels > 0) {
+            known_.mean = sum.nis / sum.channels;
+            known_.deviate = normal_deviate(sum.nis, sum.channels);
+        }
+        return known_;
     }
 
     std::array<Part, kParts> parts_{};
     bool any_ = false;
+    mutable Known known_;  // no part of a saved state
 };
 
 }  // namespace truenorth

@@ -21,14 +21,19 @@ class Arrival {
         return total(sample);
     }
 
+    // Where somebody counts.
+    int number(int sample) {
+        counted_ = counted_ || sample != 0;
+        return total(sample);
+    }
+
     // Likewise of a fix or of an aid, which measures now and then. Its stamp counts only with an IMU that is
     // `uncounted` too, for a count that stays 0 beside one that goes on says that there was none; and only
     // with `values` that have changed, for what is held has not been measured again, whatever its stamp.
     template <class Values>
     int number(int sample, double stamp, const Values& values, bool uncounted) {
         if (!uncounted) {
-            counted_ = counted_ || sample != 0;
-            return total(sample);
+            return number(sample);
         }
         const std::uint64_t print = fingerprint(values);
         if (print == print_) {

@@ -45,7 +45,7 @@ class AttitudeLedger {
     // By how many sigmas it has been corrected, `elapsed` seconds after it set out.
     [[nodiscard]] double deviate(double elapsed, const Gyros& gyros) const {
         const Eigen::Array3d added = Eigen::Array3d(leant_, leant_, 0.0).square() + drift(elapsed, gyros);
-        return (corrected_.array().square() / (variance_.array() + added)).sqrt().maxCoeff();
+        return std::sqrt((corrected_.array().square() / (variance_.array() + added)).maxCoeff());
     }
 
     // Whether what was measured since weighs more than the guess in a heading of this sigma [rad].

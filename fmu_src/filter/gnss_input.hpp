@@ -44,6 +44,11 @@ class GnssInput {
 
     void start() { *this = GnssInput{}; }
 
+    // Whether the count says that no fix came since the last reading.
+    [[nodiscard]] bool is_read(int sample, bool uncounted) {
+        return !uncounted && arrival_.number(sample) == seen_;
+    }
+
     // `speed` is that of the vehicle as far as the filter knows [m/s]; `uncounted` as of `Arrival`.
     Verdict read(int sample, const GnssFix& fix, const Moment& moment, double speed = 0.0,
                  bool uncounted = false);

@@ -127,6 +127,7 @@ class InertialFilter {
     template <class Aid>
     void note_use_of(AidMemory& memory, const Eigen::Vector3d& measured);
     bool take_fix();
+    bool read_fix();
     void use(const Port& port, double valid_at);
     [[nodiscard]] static GnssFix fix_at(const Port& port);
     [[nodiscard]] GnssFix filled(const GnssFix& fix) const;

@@ -49,19 +49,7 @@ GnssFix InertialFilter<Interface, Engines...>::fix_at(const Port& port) {
 // Whether one came, or had waited long enough.
 template <class Interface, class... Engines>
 bool InertialFilter<Interface, Engines...>::take_fix() {
-    const Port& port = inputs.gnss;
-    const double speed = outputs.nav.velocity.norm();
-    const auto verdict =
-        gnss_.read(port.sample, fix_at(port), moment(imu_.increment().dt), speed, uncounted());
-    const bool came = verdict != GnssInput::Verdict::stale;
-    if (verdict == GnssInput::Verdict::accepted) {
-        if (waiting_.full()) {
-            reject_fix(Refusal::uncovered, waiting_.pop().port);
-        }
-        waiting_.push(port, gnss_.valid_at());
-    } else if (came) {
-        reject_fix(refusal_of(verdict), port);
-    }
+    const bool came = !gnss_.is_read(inputs.gnss.sample, uncounted()) && read_fix();
     bool due = false;
     while (!status_.faulted() && waiting_.due(imu_.time())) {
         const auto& entry = waiting_.pop();
@@ -69,6 +57,27 @@ bool InertialFilter<Interface, Engines...>::take_fix() {
         due = true;
     }
     return came || due;
+}
+
+// Whether a new one lies at the port; a sound one waits from now on.
+template <class Interface, class... Engines>
+bool InertialFilter<Interface, Engines...>::read_fix() {
+    const Port& port = inputs.gnss;
+    const double speed = outputs.nav.velocity.norm();
+    const auto verdict =
+        gnss_.read(port.sample, fix_at(port), moment(imu_.increment().dt), speed, uncounted());
+    if (verdict == GnssInput::Verdict::stale) {
+        return false;
+    }
+    if (verdict != GnssInput::Verdict::accepted) {
+        reject_fix(refusal_of(verdict), port);
+        return true;
+    }
+    if (waiting_.full()) {
+        reject_fix(Refusal::uncovered, waiting_.pop().port);
+    }
+    waiting_.push(port, gnss_.valid_at());
+    return true;
 }
 
 template <class Interface, class... Engines>

@@ -84,7 +84,7 @@ AttitudeLedger::Gyros InertialFilter<Interface, Engines...>::gyros() const {
     AttitudeLedger::Gyros gyros{.bias = parameters.prior.gyro_bias_sigma,
                                 .random_walk = process.angle_random_walk};
     if constexpr (requires { process.gyro_markov_sigma; }) {
-        gyros.bias = std::hypot(gyros.bias, process.gyro_markov_sigma);
+        gyros.bias = Eigen::Vector2d(gyros.bias, process.gyro_markov_sigma).norm();
     }
     if constexpr (requires { process.gyro_bias_random_walk; }) {
         gyros.bias_random_walk = process.gyro_bias_random_walk;

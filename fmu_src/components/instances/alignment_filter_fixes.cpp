@@ -5,6 +5,7 @@ namespace truenorth {
 
 template GnssFix AlignmentFilterBase::fix_at(const Port& port);
 template bool AlignmentFilterBase::take_fix();
+template bool AlignmentFilterBase::read_fix();
 template void AlignmentFilterBase::use(const Port& port, double valid_at);
 template void AlignmentFilterBase::question_place(const GnssFix& fix, const AntennaState& then);
 template bool AlignmentFilterBase::is_within_reach(const GnssFix& fix, const AntennaState& then);

@@ -5,6 +5,7 @@ namespace truenorth {
 
 template GnssFix NavigationFilterBase::fix_at(const Port& port);
 template bool NavigationFilterBase::take_fix();
+template bool NavigationFilterBase::read_fix();
 template void NavigationFilterBase::use(const Port& port, double valid_at);
 template void NavigationFilterBase::question_place(const GnssFix& fix, const AntennaState& then);
 template bool NavigationFilterBase::is_within_reach(const GnssFix& fix, const AntennaState& then);
