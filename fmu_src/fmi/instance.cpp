@@ -245,13 +245,8 @@ void Instance::require_none(std::size_t count) const {
 
 // ------------------------------------------------------------------ variables
 
-bool Instance::any_of(std::span<const unsigned> references, Causality causality) const {
-    return std::ranges::any_of(
-        references, [&](unsigned reference) { return cells_[reference].variable.causality == causality; });
-}
-
-void Instance::require_values(std::span<const unsigned> references, Reach reach, Type type,
-                              std::size_t count) const {
+void Instance::refuse_values(std::span<const unsigned> references, Reach reach, Type type,
+                             std::size_t count) const {
     std::size_t needed = 0;
     for (const unsigned reference : references) {
         if (reference >= cells_.size()) {
@@ -263,20 +258,21 @@ void Instance::require_values(std::span<const unsigned> references, Reach reach,
                           " is that of no variable, but of " + cell.variable.name +
                           ", an element of an array");
         }
-        const bool as_integer = reach == Reach::scalar && cell.variable.type == Type::enumeration;
-        if ((as_integer ? Type::integer : cell.variable.type) != type) {
+        if (!fits(cell, reach, type)) {
             throw Refusal(std::string(cell.variable.name) + " has the type " + name_of(cell.variable.type) +
                           ", not " + name_of(type));
         }
         needed += extent(cell, reach);
     }
-    if (count != needed) {
-        throw Refusal("nValues = " + std::to_string(count) + ": the variables have " +
-                      std::to_string(needed) + " elements");
-    }
+    throw Refusal("nValues = " + std::to_string(count) + ": the variables have " + std::to_string(needed) +
+                  " elements");
 }
 
-void Instance::refuse_to_set(const Variable& variable) {
+void Instance::refuse_to_set(std::span<const unsigned> references, Causalities refused) const {
+    const auto first = std::ranges::find_if(references, [&](unsigned reference) {
+        return (bit(cells_[reference].variable.causality) & refused) != 0;
+    });
+    const Variable& variable = cells_[*first].variable;
     throw Refusal(std::string(variable.name) +
                   (variable.causality == Causality::output
                        ? " is an output and cannot be set"

@@ -103,20 +103,24 @@ class Instance {
         }
     }
     [[noreturn]] void refuse_phase(Phases allowed) const;
-    void require_settable(const Variable& variable) const {
-        const bool fixed = variable.causality == Causality::parameter && running();
-        if (variable.causality == Causality::output || fixed) {
-            refuse_to_set(variable);
+    // A bit for each causality that variables have.
+    using Causalities = unsigned;
+    static constexpr Causalities bit(Causality causality) { return 1U << static_cast<unsigned>(causality); }
+    // Of all the references. Throws Refusal unless they are of this type and have so many values.
+    [[nodiscard]] Causalities require_values(std::span<const unsigned> references, Reach reach, Type type,
+                                             std::size_t count) const;
+    [[noreturn]] void refuse_values(std::span<const unsigned> references, Reach reach, Type type,
+                                    std::size_t count) const;
+    [[noreturn]] void refuse_to_set(std::span<const unsigned> references, Causalities refused) const;
+    [[nodiscard]] static bool fits(const Cell& cell, Reach reach, Type type) {
+        if (reach == Reach::variable) {
+            return cell.variable.type == type && cell.variable.elements > 0;
         }
+        return (cell.variable.type == Type::enumeration ? Type::integer : cell.variable.type) == type;
     }
-    [[noreturn]] static void refuse_to_set(const Variable& variable);
-    // Throws Refusal unless all references are of this type and have so many values.
-    void require_values(std::span<const unsigned> references, Reach reach, Type type,
-                        std::size_t count) const;
     [[nodiscard]] static std::size_t extent(const Cell& cell, Reach reach) {
         return reach == Reach::scalar ? 1 : cell.variable.elements;
     }
-    [[nodiscard]] bool any_of(std::span<const unsigned> references, Causality causality) const;
     [[nodiscard]] bool running() const {
         return progress_.phase == Phase::stepping || progress_.phase == Phase::event;
     }
@@ -155,11 +159,38 @@ class Instance {
     Progress progress_;
 };
 
+inline Instance::Causalities Instance::require_values(std::span<const unsigned> references, Reach reach,
+                                                      Type type, std::size_t count) const {
+    Causalities found = 0;
+    std::size_t needed = 0;
+    for (const unsigned reference : references) {
+        if (reference >= cells_.size() || !fits(cells_[reference], reach, type)) {
+            refuse_values(references, reach, type, count);
+        }
+        found |= bit(cells_[reference].variable.causality);
+        needed += extent(cells_[reference], reach);
+    }
+    if (count != needed) {
+        refuse_values(references, reach, type, count);
+    }
+    return found;
+}
+
+// Scalars by themselves are what most calls are about.
+template <class T>
+void copy_cell(void* to, const void* from, std::size_t count) {
+    if (count == 1) {
+        std::memcpy(to, from, sizeof(T));
+    } else {
+        std::memcpy(to, from, count * sizeof(T));
+    }
+}
+
 // From and to where `count` scalars lie.
 template <class T, class External>
 void read_cell(const void* cell, External* values, std::size_t count) {
     if constexpr (std::same_as<T, External>) {
-        std::memcpy(values, cell, count * sizeof(T));
+        copy_cell<T>(values, cell, count);
     } else {
         const std::span<const T> from(static_cast<const T*>(cell), count);
         const std::span<External> to(values, count);
@@ -178,7 +209,7 @@ void write_cell(void* cell, const External* values, std::size_t count) {
             to[i] = from[i] != std::byte{0};
         }
     } else if constexpr (std::same_as<T, External>) {
-        std::memcpy(cell, values, count * sizeof(T));
+        copy_cell<T>(cell, values, count);
     } else {
         const std::span<const External> from(values, count);
         const std::span<T> to(static_cast<T*>(cell), count);
@@ -192,8 +223,8 @@ template <class T, class External>
 void Instance::get(std::span<const unsigned> references, Reach reach, std::span<External> values) {
     require({Phase::initialising, Phase::stepping, Phase::event, Phase::continuous, Phase::failed,
              Phase::terminated});
-    require_values(references, reach, type_of<T, External>, values.size());
-    if (progress_.phase == Phase::initialising && any_of(references, Causality::output)) {
+    const Causalities found = require_values(references, reach, type_of<T, External>, values.size());
+    if (progress_.phase == Phase::initialising && (found & bit(Causality::output)) != 0) {
         initialise();
     }
     for (const unsigned reference : references) {
@@ -207,12 +238,10 @@ void Instance::get(std::span<const unsigned> references, Reach reach, std::span<
 template <class T, class External>
 void Instance::set(std::span<const unsigned> references, Reach reach, std::span<const External> values) {
     require({Phase::instantiated, Phase::initialising, Phase::stepping, Phase::event});
-    require_values(references, reach, type_of<T, External>, values.size());
-    bool tunes = false;
-    for (const unsigned reference : references) {
-        const Variable& variable = cells_[reference].variable;
-        require_settable(variable);
-        tunes = tunes || variable.causality == Causality::tunable;
+    const Causalities found = require_values(references, reach, type_of<T, External>, values.size());
+    const Causalities refused = bit(Causality::output) | (running() ? bit(Causality::parameter) : 0U);
+    if ((found & refused) != 0) {
+        refuse_to_set(references, refused);
     }
     const auto store = [&](std::span<const External> left) {
         for (const unsigned reference : references) {
@@ -222,7 +251,7 @@ void Instance::set(std::span<const unsigned> references, Reach reach, std::span<
             left = left.subspan(count);
         }
     };
-    if (running() && tunes) {
+    if (running() && (found & bit(Causality::tunable)) != 0) {
         const auto bytes_of = [&](unsigned reference) {
             const Cell& cell = cells_[reference];
             return std::span(static_cast<std::byte*>(cell.address), extent(cell, reach) * sizeof(T));
