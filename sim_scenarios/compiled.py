@@ -24,12 +24,10 @@ from numpy.typing import NDArray
 
 from sim_scenarios.errors import InputError, SimulationError
 from sim_scenarios.fmus import own_folders
-from sim_scenarios.instance import Instance, Port
+from sim_scenarios.instance import Call, Instance, Port
 from sim_scenarios.stepping import Master
 
 Array = NDArray[np.float64]
-Call = tuple[Any, ...]
-"""Of `Port.getters` or `Port.setters`."""
 NextRows = Callable[[int, Array], NDArray[Any]]
 """Rows for n steps or more, by the number of the first step and the communication points, shape (n + 1,)."""
 
@@ -38,15 +36,16 @@ GIVEN: Final = 1000
 AT_ONCE: Final = 50
 """Steps from one return to Python to the next: few, since an FMU of somebody else's may be slow."""
 _DOUBLE: Final = 8  # bytes
-_FUNCTION: Final = "truenorth_run_1"
+_FUNCTION: Final = "truenorth_run_2"
 
 
 class _Kind(IntEnum):
     step = 0
     access = 1
-    gather = 2
-    add = 3
-    look = 4
+    renew = 2
+    gather = 3
+    add = 4
+    look = 5
 
 
 class When(IntEnum):
@@ -76,6 +75,7 @@ class _Operation(ctypes.Structure):
         ("count", ctypes.c_size_t),
         ("values", ctypes.c_void_p),
         ("signals", ctypes.c_void_p),
+        ("last", ctypes.c_void_p),
         ("size", ctypes.c_size_t),
         ("values_stride", ctypes.c_size_t),
         ("signals_stride", ctypes.c_size_t),
@@ -148,9 +148,11 @@ class Loop:
             self._access(port, "reading", call)
 
     def write(self, port: Port) -> None:
-        """Buffers of a port into its variables."""
-        for call in port.setters:
-            self._access(port, "setting", call)
+        """Buffers of a port into its variables, as far as they have changed: those of a sensor together."""
+        for part, call in port.setters_by_sensor():
+            last = ~part.view(np.uint8)  # another, so that the first one counts
+            self._memory.append(last)
+            self._access(port, "setting", call, _Kind.renew, last=last.ctypes.data, size=part.itemsize)
 
     def write_rows(self, port: Port, rows: NextRows) -> None:
         """A row for each step into the variables of a port, all of them Real."""
@@ -181,10 +183,14 @@ class Loop:
     def append(self, table: Rows, when: When) -> None:
         """The variables of a table into its next row."""
         self._tables.append((table, when))
-        for (*call, _), array in zip(table.port.getters, table.arrays.values(), strict=True):
+        for (function, references, count, _), array in zip(
+            table.port.getters, table.arrays.values(), strict=True
+        ):
             stride = array.strides[0]
             first = array.ctypes.data + table.rows * stride
-            self._access(table.port, "reading", (*call, first), when=when, values_stride=stride)
+            self._access(
+                table.port, "reading", (function, references, count, first), when=when, values_stride=stride
+            )
 
     def look(self, signals: NDArray[Any], counter: int) -> None:
         """See whether a fix came, for what follows."""
@@ -245,10 +251,12 @@ class Loop:
         setattr(operation, part, given.ctypes.data)
         return given
 
-    def _access(self, port: Port, action: str, call: Call, **entries: Any) -> None:
+    def _access(
+        self, port: Port, action: str, call: Call, kind: _Kind = _Kind.access, **entries: Any
+    ) -> None:
         function, references, count, values = call
         self._add(
-            _Kind.access,
+            kind,
             lambda _time: port.failure(action),
             access=_address(function),
             component=port.instance.component,

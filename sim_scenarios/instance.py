@@ -12,16 +12,20 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import count
+from itertools import count, groupby
 from pathlib import Path
 from typing import Any, Final
 
 import fmpy.fmi2
 import numpy as np
 from fmpy.fmi1 import FMICallException
+from numpy.typing import NDArray
 
 from sim_scenarios.errors import SimulationError
 from sim_scenarios.fmus import Fmu, Number, Variable
+
+Call = tuple[Callable[..., int], int, int, int]
+"""Function, address and number of the references, address of the values."""
 
 _DISCARD: Final = 2  # fmi2Discard, and everything worse
 
@@ -210,9 +214,8 @@ class Port:
 
     Attributes
     ----------
-    getters, setters : list of tuples
-        Calls for each base type, in the order of the buffers: function, address and number of the references,
-        address of the buffer.
+    getters, setters : list of Call
+        For each base type, in the order of the buffers.
     """
 
     def __init__(self, instance: Instance, names: Sequence[str], signals: Signals | None = None) -> None:
@@ -248,11 +251,26 @@ class Port:
             if function(component, references, size, address) >= _DISCARD:
                 raise self.failure("reading")
 
+    def setters_by_sensor(self) -> Iterator[tuple[NDArray[Any], Call]]:
+        """Calls that set the variables of one sensor and one base type, and their part of a buffer."""
+        bases: dict[str, list[str]] = {base: [] for base in self.signals.buffers}
+        for name, (base, _) in self.signals.places.items():
+            bases[base].append(name.partition(".")[0])
+        for (base, buffer), call in zip(self.signals.buffers.items(), self.setters, strict=True):
+            function, references, _, address = call
+            begin = 0
+            for _, names in groupby(bases[base]):
+                size = len(list(names))
+                part = buffer[begin : begin + size]
+                at = references + begin * self._references[base].itemsize
+                yield part, (function, at, size, address + begin * buffer.itemsize)
+                begin += size
+
     def failure(self, action: str) -> SimulationError:
         """Error of an access that was refused, by what was done."""
         return self.instance.failure(f"{action} {', '.join(self._names[:3])} ...")
 
-    def _calls(self, verb: str) -> list[tuple[Callable[..., int], int, int, int]]:
+    def _calls(self, verb: str) -> list[Call]:
         buffers = self.signals.buffers
         return [
             (self.instance.accessor(verb + base), r.ctypes.data, len(r), buffers[base].ctypes.data)

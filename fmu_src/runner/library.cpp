@@ -7,6 +7,6 @@
 #define TRUENORTH_EXPORT __attribute__((visibility("default")))
 #endif
 
-extern "C" TRUENORTH_EXPORT std::ptrdiff_t truenorth_run_1(truenorth::runner::Loop* loop, std::size_t until) {
+extern "C" TRUENORTH_EXPORT std::ptrdiff_t truenorth_run_2(truenorth::runner::Loop* loop, std::size_t until) {
     return truenorth::runner::run(*loop, until);
 }

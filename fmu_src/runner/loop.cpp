@@ -29,6 +29,16 @@ void add(const Operation& operation) {
     }
 }
 
+// A component keeps its inputs, most of which change seldom: those of receivers and aids.
+int renew(const Operation& operation) {
+    const std::size_t bytes = operation.count * operation.size;
+    if (std::memcmp(operation.values, operation.last, bytes) == 0) {
+        return 0;
+    }
+    std::memcpy(operation.last, operation.values, bytes);
+    return operation.access(operation.component, operation.references, operation.count, operation.values);
+}
+
 int carry_out(const Operation& operation, double time, double step) {
     switch (operation.kind) {
         case Kind::step:
@@ -36,6 +46,8 @@ int carry_out(const Operation& operation, double time, double step) {
         case Kind::access:
             return operation.access(operation.component, operation.references, operation.count,
                                     operation.values);
+        case Kind::renew:
+            return renew(operation);
         case Kind::gather:
             if (operation.size == sizeof(std::uint64_t)) {
                 gather<std::uint64_t>(operation);

@@ -17,6 +17,7 @@ inline constexpr int kDiscard = 2;  // status of a call that was refused; all th
 enum class Kind : std::int32_t {
     step,    // of a component
     access,  // a component's variables are read or written
+    renew,   // a component's variables are written, if they are others than last
     gather,  // values are picked from signals
     add,     // signals are added to values
     look,    // whether a fix came: the counter of fixes among the signals is another than before
@@ -35,6 +36,7 @@ struct Operation {
     std::size_t count;
     std::byte* values;
     const std::byte* signals;
+    std::byte* last;   // what was written last, of as many values
     std::size_t size;  // of a signal [bytes]
     // From a row to the next, to which each turn moves; 0: there is but one [bytes].
     std::size_t values_stride;

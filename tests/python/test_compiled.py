@@ -160,8 +160,9 @@ def test_a_filter_that_stops_under_way_says_when_and_in_what(fmus: Fmus, master:
         sink.instance.do_step = STEP(lambda _, time, __, ___: 3 if time > 12.3 else 0)
 
     def access(sink: Sink) -> None:
-        (_, *call), *others = sink.port.setters
-        sink.port.setters = [(ACCESS(lambda *_: 2 if next(accessed) == 1500 else 0), *call), *others]
+        (_, imu, *call), *others = sink.port.setters
+        refuse = ACCESS(lambda _, which, *__: 2 if which == imu and next(accessed) == 1500 else 0)
+        sink.port.setters = [(refuse, imu, *call), *others]
 
     told = "other (AlignmentFilter) failed in {}: it gives no reason"
     assert failure(step) == told.format("the step from 12.31 s")

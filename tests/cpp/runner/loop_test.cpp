@@ -36,6 +36,7 @@ struct Component {
     std::int32_t fixes = 0;
     int steps_per_fix = 3;
     int steps = 0;
+    std::vector<std::int32_t> heard;
     double refuses_at = 1e9;
 };
 
@@ -65,6 +66,12 @@ int get_integers(void* component, const std::uint32_t* /*references*/, std::size
 
 int set_time(void* component, const std::uint32_t* /*references*/, std::size_t /*count*/, void* values) {
     static_cast<Component*>(component)->time = *static_cast<double*>(values);
+    return 0;
+}
+
+int hear(void* component, const std::uint32_t* /*references*/, std::size_t count, void* values) {
+    EXPECT_EQ(count, 1U);
+    static_cast<Component*>(component)->heard.push_back(*static_cast<std::int32_t*>(values));
     return 0;
 }
 
@@ -191,6 +198,21 @@ TEST_F(RunnerLoop, GathersWideAndNarrowSignals) {
     EXPECT_EQ(run(made, 2), -1);
     EXPECT_EQ(of_wide, (std::array{4.5, 1.5, 3.5}));
     EXPECT_EQ(of_narrow, (std::array<std::int32_t, 3>{4, 1, 3}));
+}
+
+TEST_F(RunnerLoop, WritesWhatHasChangedSinceItWasWrittenLast) {
+    std::int32_t last = ~counter;
+    add_step();
+    add_access(get_integers, 1, bytes(&counter));
+    Operation& renewed = add(Kind::renew);
+    renewed.access = hear;
+    renewed.count = 1;
+    renewed.size = sizeof counter;
+    renewed.values = bytes(&counter);
+    renewed.last = bytes(&last);
+    Loop made = loop(1);
+    EXPECT_EQ(run(made, 10), -1);
+    EXPECT_EQ(component.heard, (std::vector<std::int32_t>{0, 1, 2, 3}));  // a fix in every third step
 }
 
 TEST_F(RunnerLoop, AddsARowForEachStep) {
