@@ -15,9 +15,14 @@ Array = NDArray[np.float64]
 
 def dcm(roll: ArrayLike, pitch: ArrayLike, heading: ArrayLike) -> Array:
     """C_bn of Euler angles [rad], each of shape (...) -> (..., 3, 3)."""
-    angles = np.stack(np.broadcast_arrays(-np.asarray(heading), pitch, roll), axis=-1)
-    matrix: Array = Rotation.from_euler("ZXY", angles.reshape(-1, 3)).as_matrix()  # SciPy < 1.17: rows alone
-    return matrix.reshape(*angles.shape, 3)
+    angles = np.broadcast_arrays(roll, pitch, heading)
+    (sr, cr), (sp, cp), (sh, ch) = ((np.sin(angle), np.cos(angle)) for angle in angles)
+    rows = (
+        (ch * cr + sh * sp * sr, sh * cp, ch * sr - sh * sp * cr),
+        (ch * sp * sr - sh * cr, ch * cp, -sh * sr - ch * sp * cr),
+        (-cp * sr, sp, cp * cr),
+    )
+    return np.stack([element for row in rows for element in row], axis=-1).reshape(*sr.shape, 3, 3)
 
 
 def euler_angles(C_bn: Array) -> tuple[float, float, float]:

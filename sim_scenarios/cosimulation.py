@@ -58,8 +58,8 @@ class Table:
 
     def columns(self) -> Columns:
         """Recorded values, shape (rows,), of each variable by name."""
-        places = self.port.signals.places
-        return {name: self.arrays[base][: self.rows, i].copy() for name, (base, i) in places.items()}
+        full = {base: array.T[:, : self.rows].copy() for base, array in self.arrays.items()}
+        return {name: full[base][i] for name, (base, i) in self.port.signals.places.items()}
 
 
 class Source(Protocol):

@@ -54,7 +54,7 @@ ALIGNMENT: Final = "alignment."
 HAND_OVER: Final = "hand_over_time"
 ERRORS: Final = ("attitude_error", "heading_error", "position_error", "velocity_error")
 
-Entry = tuple[tuple[str, ...], NDArray[np.float64], dict[str, str]]
+Entry = tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]
 """A variable of a data set: dimensions, values, attributes."""
 
 
@@ -87,56 +87,58 @@ def dataset(
         (filter, fix), of filters that count the fixes that they use.
     """
     parts = [
-        xr.Dataset({**_arrays(table, fmu, "time"), **_arrays(fixes, fmu, "fix")})
+        _with_fix_used({**_arrays(table, fmu, "time"), **_arrays(fixes, fmu, "fix")})
         for table, fixes, fmu in zip(recorded.filters, recorded.fixes, filters.values(), strict=True)
     ]
-    result = _side_by_side(dict(zip(filters, map(_with_fix_used, parts), strict=True)))
-    result = result.assign_coords(
-        time=("time", recorded.time, {"units": "s", "description": "Time since the start"}),
-        fix_time=("fix", recorded.fix_time, {"units": "s", "description": "Time of validity of the fix"}),
-    )
+    variables = _side_by_side(dict(zip(filters, parts, strict=True)))
     if recorded.truth is not None and plant is not None:
-        result = result.assign(_arrays(recorded.truth, plant, "time"))
-        result = result.assign(errors(result))
+        variables |= _arrays(recorded.truth, plant, "time")
     if recorded.alignment is not None and alignment is not None:
         outputs = _arrays(recorded.alignment, alignment, "time")
-        result = result.assign({f"{ALIGNMENT}{name}": values for name, values in outputs.items()})
-        result = _handed_over(result)
-    return result
+        variables |= {f"{ALIGNMENT}{name}": values for name, values in outputs.items()}
+    result = xr.Dataset(
+        variables,
+        coords={
+            "filter": list(filters),
+            "time": ("time", recorded.time, {"units": "s", "description": "Time since the start"}),
+            "fix_time": (
+                "fix",
+                recorded.fix_time,
+                {"units": "s", "description": "Time of validity of the fix"},
+            ),
+        },
+    )
+    if recorded.truth is not None and plant is not None:
+        result = result.assign(errors(result))
+    return _handed_over(result) if recorded.alignment is not None and alignment is not None else result
 
 
-def _with_fix_used(part: xr.Dataset) -> xr.Dataset:
+def _with_fix_used(part: dict[str, Entry]) -> dict[str, Entry]:
     """Outputs of a filter, and which fixes it used."""
     if "used_fixes" not in part:
         return part
-    count = part["used_fixes"].values
+    _, count, _ = part["used_fixes"]
     used = np.diff(count, prepend=count.dtype.type(0)) > 0
-    about = {"description": "Whether the fix corrected the estimate"}
-    result: xr.Dataset = part.assign(fix_used=("fix", used, about))
-    return result
+    return {**part, "fix_used": (("fix",), used, {"description": "Whether the fix corrected the estimate"})}
 
 
-def _side_by_side(parts: Mapping[str, xr.Dataset]) -> xr.Dataset:
+def _side_by_side(parts: Mapping[str, dict[str, Entry]]) -> dict[str, Entry]:
     """Outputs of several filters, by label, in one data set."""
-    known: dict[str, xr.DataArray] = {}
+    known: dict[str, Entry] = {}
     for part in parts.values():
-        known = {**{str(name): values for name, values in part.items()}, **known}
-    having = {name: [label for label, part in parts.items() if name in part] for name in known}
-    filled = [
-        part.assign({name: _blank(values) for name, values in known.items() if name not in part})
-        for part in parts.values()
-    ]
-    labels = xr.DataArray(list(parts), dims="filter", name="filter")
-    result: xr.Dataset = xr.concat(filled, dim=labels, combine_attrs="override")
-    for name, labels_of_it in having.items():
-        if len(labels_of_it) < len(parts):
-            result[name].attrs = {**known[name].attrs, "filters": json.dumps(labels_of_it)}
-    return result
+        known |= {name: entry for name, entry in part.items() if name not in known}
+    return {name: _stacked(name, entry, parts) for name, entry in known.items()}
 
 
-def _blank(values: xr.DataArray) -> xr.DataArray:
-    """An output of a filter that does not have it: NaN, or false."""
-    return xr.full_like(values, False) if values.dtype == bool else xr.full_like(values, np.nan, dtype=float)
+def _stacked(name: str, entry: Entry, parts: Mapping[str, dict[str, Entry]]) -> Entry:
+    """An output of several filters, one of which has this entry; NaN, or false, of those that lack it."""
+    dimensions, values, attributes = entry
+    having = [label for label, part in parts.items() if name in part]
+    blank = np.full(values.shape, False if values.dtype == bool else np.nan)
+    stacked = np.stack([part[name][1] if name in part else blank for part in parts.values()])
+    if len(having) < len(parts):
+        attributes = {**attributes, "filters": json.dumps(having)}
+    return ("filter", *dimensions), stacked, attributes
 
 
 def under_way(data: xr.Dataset) -> xr.Dataset:
@@ -258,7 +260,7 @@ def load(path: Path) -> xr.Dataset:
     return data
 
 
-def _arrays(columns: Mapping[str, NDArray[Any]], fmu: Fmu, dimension: str) -> dict[str, xr.DataArray]:
+def _arrays(columns: Mapping[str, NDArray[Any]], fmu: Fmu, dimension: str) -> dict[str, Entry]:
     """Arrays of an FMU's variables from their scalars."""
     arrays: dict[str, list[str]] = {}
     for scalar in columns:
@@ -266,7 +268,7 @@ def _arrays(columns: Mapping[str, NDArray[Any]], fmu: Fmu, dimension: str) -> di
     return {name: _array(columns, fmu, dimension, scalars) for name, scalars in arrays.items()}
 
 
-def _array(columns: Mapping[str, NDArray[Any]], fmu: Fmu, dimension: str, scalars: list[str]) -> xr.DataArray:
+def _array(columns: Mapping[str, NDArray[Any]], fmu: Fmu, dimension: str, scalars: list[str]) -> Entry:
     variable = fmu.variables[scalars[0]]
     attributes: dict[str, Any] = {"description": variable.description}
     if variable.kind == "Real":
@@ -282,4 +284,4 @@ def _array(columns: Mapping[str, NDArray[Any]], fmu: Fmu, dimension: str, scalar
     values = values.reshape(len(values), *shape)
     if variable.kind == "Boolean":
         values = values.astype(bool)
-    return xr.DataArray(values, dims=dimensions, attrs=attributes)
+    return dimensions, values, attributes

@@ -28,6 +28,9 @@ WRONG: Final = 3.0
 
 QUANTITIES: Final = ("heading", "velocity", "position")
 
+DEVIATION: Final = "_deviation"
+"""End of the names of the errors in sigmas."""
+
 
 @dataclass(frozen=True)
 class Certainty:
@@ -87,8 +90,11 @@ def deviations(run: xr.Dataset) -> dict[str, Array]:
     Returns
     -------
     dict of str to ndarray, shape (times,)
-        The largest among the components that are states; NaN without one.
+        The largest among the components that are states; NaN without one. The variables `<name>_deviation`
+        of a run that has them.
     """
+    if known := [name for name in QUANTITIES if f"{name}{DEVIATION}" in run.variables]:
+        return {name: run.variables[f"{name}{DEVIATION}"].values for name in known}
     return {
         name: _deviation(
             wrap(run["heading_error"].values) if name == "heading" else run[f"{name}_error"].values,
@@ -97,6 +103,14 @@ def deviations(run: xr.Dataset) -> dict[str, Array]:
         for name in QUANTITIES
         if f"{name}_error" in run and f"{name}_sigma" in run
     }
+
+
+def with_deviations(run: xr.Dataset) -> xr.Dataset:
+    """A run with the variables of `deviations`, so that every figure that asks for them finds them."""
+    found: xr.Dataset = run.assign(
+        {f"{name}{DEVIATION}": ("time", values) for name, values in deviations(run).items()}
+    )
+    return found
 
 
 def longest_stretch(condition: NDArray[np.bool_]) -> int:

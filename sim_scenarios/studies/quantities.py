@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sim_scenarios import recording
 from sim_scenarios.errors import InputError
 from sim_scenarios.metrics import certainty
-from sim_scenarios.metrics.certainty import QUANTITIES
+from sim_scenarios.metrics.certainty import DEVIATION, QUANTITIES
 from sim_scenarios.metrics.errors import ERRORS as ALL_ERRORS
 from sim_scenarios.metrics.errors import Error
 from sim_scenarios.metrics.figures import FIGURES, GROUP, OUTPUTS, Figure, known, own
@@ -41,7 +41,7 @@ SERIES: Final[Mapping[str, tuple[str, str]]] = {
     "velocity_sigma": ("m/s", "Sigma of the velocity that the filter claims, all three components together"),
     "position_sigma": ("m", "Sigma of the position that the filter claims, all three components together"),
     **{
-        f"{name}_deviation": ("1", f"Error of the {name} in sigmas of the filter: the largest component")
+        f"{name}{DEVIATION}": ("1", f"Error of the {name} in sigmas of the filter: the largest component")
         for name in QUANTITIES
     },
     "nis": ("1", "Normalised innovations squared of the fixes used since the time before, summed"),
@@ -174,11 +174,12 @@ def kept(run: xr.Dataset, period: float, asked: Asked = NOTHING) -> dict[str, Ar
         Series, shape (times,), figures, shape (), and errors, shape (instants[, 3]); without the series of
         NIS of a filter that does not tell it.
     """
+    run = certainty.with_deviations(run)
     stride = round(period / float(run["time"].values[1] - run["time"].values[0]))
     series = {f"{name}_error": error.size(run)[::stride] for name, error in ERRORS.items()}
     series |= {f"{name}_sigma": _sigma(run, name)[::stride] for name in QUANTITIES}
     deviations = certainty.deviations(run)
-    series |= {f"{name}_deviation": values[::stride] for name, values in deviations.items()}
+    series |= {f"{name}{DEVIATION}": values[::stride] for name, values in deviations.items()}
     if tells_nis(run):
         series["nis"], series["nis_channels"] = _nis(run, period, len(series["heading_sigma"]))
     errors = {f"{RECORDED}{name}": run[name].values for name in recording.ERRORS} if asked.errors else {}

@@ -32,6 +32,19 @@ def test_conventions() -> None:
     np.testing.assert_allclose(up, [0, 0, 1])
 
 
+@given(vertical, vertical, headings)
+def test_dcm_is_the_product_of_rotations(roll: float, pitch: float, heading: float) -> None:
+    expected = Rotation.from_euler("ZXY", [-heading, pitch, roll]).as_matrix()
+    np.testing.assert_allclose(dcm(roll, pitch, heading), expected, atol=1e-15)
+
+
+def test_dcm_takes_arrays_that_broadcast() -> None:
+    roll, heading = np.array([0.1, -0.2]), np.array([[1.0], [2.0], [3.0]])
+    found = dcm(roll, 0.3, heading)
+    assert found.shape == (3, 2, 3, 3)
+    np.testing.assert_array_equal(found[2, 1], dcm(-0.2, 0.3, 3.0))
+
+
 @given(horizontal, horizontal, headings)
 def test_euler_angles_invert(roll: float, pitch: float, heading: float) -> None:
     found = euler_angles(dcm(roll, pitch, heading))
