@@ -26,7 +26,7 @@ from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.folders import reserved
 from sim_scenarios.stepping import Master
-from sim_scenarios.studies import execution, store
+from sim_scenarios.studies import execution, packing, store
 from sim_scenarios.studies.case import Case
 from sim_scenarios.studies.cases import cases, expected_of, fingerprint
 from sim_scenarios.studies.execution import Effort, Report, Workers
@@ -83,6 +83,7 @@ class Campaign:
                     if scheduler is None:  # its workers have ended
                         store.sweep(self.path)
             store.sweep(self.path)
+            packing.pack(self.folder)
             return replace(effort, damaged=tuple(damaged))
 
     def _work(self, working: Workers, identity: str, there: bool, report: Report) -> Effort:
@@ -106,6 +107,7 @@ class Campaign:
 
     def _found(self, identity: str, overwrite: bool) -> tuple[bool, list[str]]:
         """Whether results of this campaign are there to go on with, and their chunks that were damaged."""
+        packing.recover(self.folder)
         try:
             there = store.is_there(self.folder, identity)
             return there, store.discard_damaged(self.path) if there else []

@@ -292,6 +292,7 @@ def _run_batch(pickled: bytes, batch: Batch) -> Done:
     case, attributes = workbench.cases[batch.case], workbench.attributes[batch.case]
     seeds = range(workbench.plan.seed + batch.start, workbench.plan.seed + batch.stop)
     outcomes = [bench.run(case, seed, attributes) for seed in seeds]
-    writer.write(batch, *runs.arranged(outcomes, filter_labels(workbench.cases), writer.shapes))
+    values, state = runs.arranged(outcomes, filter_labels(workbench.cases), writer.shapes)
+    writer.write(batch, values.__getitem__, state)
     failures = tuple(outcome.failure for outcome in outcomes if outcome.failure)
     return Done(len(batch), failures, time.monotonic() - start)

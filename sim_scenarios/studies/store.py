@@ -20,7 +20,7 @@ one's place later is therefore found, and the runs of its batch are done again.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
@@ -84,6 +84,11 @@ class Batch:
         """Runs."""
         return self.stop - self.start
 
+    @property
+    def region(self) -> tuple[int, slice, slice]:
+        """Its place in an array: case, filters, runs."""
+        return self.case, slice(None), slice(self.start, self.stop)
+
 
 def is_there(folder: Path, identity: str) -> bool:
     """Whether a folder holds the data set of a campaign; refuses a folder with that of another one."""
@@ -134,7 +139,7 @@ def discard_damaged(path: Path) -> list[str]:
 
     A chunk that no run fills cannot be made again, and the data set is refused.
     """
-    arrays = dict(_group(path, "r").arrays())
+    arrays = stored(path)
     for name in arrays.keys() - set(of_runs(arrays)):
         for index in np.ndindex(arrays[name].cdata_shape):
             if not _is_whole(path, arrays[name], name, index):
@@ -233,14 +238,15 @@ class Writer:
         self._arrays = {name: _writing_all(arrays[name]) for name in of_runs(arrays)}
         self.shapes = {n: array.shape[len(RUNS) :] for n, array in self._arrays.items() if n not in _LAST}
 
-    def write(self, batch: Batch, values: Mapping[str, NDArray[Any]], state: NDArray[np.int8]) -> None:
+    def write(self, batch: Batch, values: Callable[[str], NDArray[Any]], state: NDArray[np.int8]) -> None:
         """Store a batch, its seal and its state last.
 
-        The shapes are (filters, runs) for states, and (filters, runs, ...) as `shapes` has it for values.
+        The shapes are (filters, runs) for states, and (filters, runs, ...) as `shapes` has it for values,
+        which are asked for by name, one after the other.
         """
-        region = batch.case, slice(None), slice(batch.start, batch.stop)
+        region = batch.region
         for name in self.shapes:
-            self._arrays[name][region] = values[name]
+            self._arrays[name][region] = values(name)
         index = batch.case, 0, batch.start // self._arrays["state"].chunks[2]
         self._arrays["seal"][region] = _seal(self._path, self._arrays, index, state)
         self._arrays["state"][region] = state
@@ -258,6 +264,11 @@ def open_results(folder: str | Path) -> xr.Dataset:
         raise InputError(f"there are no results of a campaign in {folder}")
     data: xr.Dataset = xr.open_zarr(path, chunks="auto")  # of Dask, larger than the batches on disk
     return data
+
+
+def stored(path: Path) -> dict[str, Any]:
+    """Arrays of a data set, by name."""
+    return dict(_group(path, "r").arrays())
 
 
 def counts(path: Path) -> dict[State, int]:

@@ -40,7 +40,7 @@ def finished(fmus: Fmus, tmp_path: Path) -> Campaign:
         writer = store.Writer(campaign.path)
         shape = store.open_results(tmp_path).sizes["filter"], len(batch)
         values = {name: np.ones((*shape, *rest)) for name, rest in writer.shapes.items()}
-        writer.write(batch, values, np.full(shape, State.finished, np.int8))
+        writer.write(batch, values.__getitem__, np.full(shape, State.finished, np.int8))
     return campaign
 
 

@@ -123,7 +123,7 @@ def original(fmus: Fmus, tmp_path_factory: pytest.TempPathFactory) -> Path:
         value = float(batch.start)
         values = {name: np.full((filters, 1, *shape), value) for name, shape in writer.shapes.items()}
         values |= {name: values[name] * np.nan for name in EMPTY}
-        writer.write(batch, values, np.full((filters, 1), State.finished, np.int8))
+        writer.write(batch, values.__getitem__, np.full((filters, 1), State.finished, np.int8))
     return path
 
 
@@ -202,7 +202,7 @@ def test_a_batch_is_missing_until_its_state_is_written(
     writer = store.Writer(path)
     filters = store.open_results(tmp_path).sizes["filter"]
     values = {name: np.ones((filters, 1, *shape)) for name, shape in writer.shapes.items()}
-    writer.write(missing[3], values, np.full((filters, 1), State.finished, np.int8))
+    writer.write(missing[3], values.__getitem__, np.full((filters, 1), State.finished, np.int8))
     assert list(store.unfinished(path)) == [*missing[:3], missing[4]]
     assert store.counts(path)[State.finished] == filters
 

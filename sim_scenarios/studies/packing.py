@@ -1,0 +1,105 @@
+"""The data set of a campaign that is done in few files, however many runs it has.
+
+While workers write, a chunk is a batch, small enough that one that is lost is soon done again. When all runs
+are there, the batches of a case are put together, `CHUNKS` of them at most. The packed data set is written
+beside the other one and takes its place; a process that is killed between leaves the one or the other, and
+`recover` finds it.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+from numpy.typing import NDArray
+
+from sim_scenarios.folders import DRAFT, Owned, discard
+from sim_scenarios.studies import store
+from sim_scenarios.studies.store import Batch, Writer
+
+CHUNKS: Final = 10
+"""Files of a variable for each case."""
+BEFORE: Final = f"{store.NAME}.before"
+"""What the packed data set takes the place of."""
+_RUN: Final = store.RUNS.index("run")
+
+
+def pack(folder: Path) -> None:
+    """Put the chunks of a campaign's data set together, if all its runs are there and it has many."""
+    path = folder / store.NAME
+    arrays = store.stored(path)
+    state = arrays["state"]
+    cases, _, runs = state.shape
+    size = -(-runs // CHUNKS)
+    if size <= state.chunks[_RUN] or any(store.unfinished(path)):
+        return
+    draft = Owned(folder, DRAFT)
+    try:
+        packed = draft.path / store.NAME
+        _copy_without_runs(path, packed, store.of_runs(arrays), size)
+        writer = Writer(packed)
+        for case in range(cases):
+            for start in range(0, runs, size):
+                batch = Batch(case, start, min(start + size, runs))
+                writer.write(batch, partial(_stored, arrays, batch), state[batch.region])
+        path.replace(folder / BEFORE)
+        packed.replace(path)
+    finally:
+        recover(folder)
+        draft.remove()
+
+
+def recover(folder: Path) -> None:
+    """Put back what a packed data set was about to take the place of, or remove it."""
+    path, before = folder / store.NAME, folder / BEFORE
+    if path.exists():
+        discard(before)
+    else:
+        with suppress(FileNotFoundError):  # there is none
+            before.replace(path)
+
+
+def _stored(arrays: Mapping[str, Any], batch: Batch, name: str) -> NDArray[Any]:
+    """What an array has of the runs of a batch."""
+    values: NDArray[Any] = arrays[name][batch.region]
+    return values
+
+
+def _copy_without_runs(path: Path, packed: Path, of_runs: list[str], size: int) -> None:
+    """Copy a data set without the chunks that runs fill, which have another size from now on."""
+
+    def left_out(place: str, names: list[str]) -> list[str]:
+        if Path(place).name not in of_runs:
+            return []
+        return [name for name in names if not name.startswith(".z")]  # which describe
+
+    shutil.copytree(path, packed, ignore=left_out)
+    for name in of_runs:
+        _edit(packed / name / ".zarray", lambda about: _resized(about, size))
+    if (packed / ".zmetadata").exists():
+        _edit(
+            packed / ".zmetadata",
+            lambda about: {
+                **about,
+                "metadata": {
+                    key: _resized(one, size) if key.removesuffix("/.zarray") in of_runs else one
+                    for key, one in about["metadata"].items()
+                },
+            },
+        )
+
+
+def _resized(array: Mapping[str, Any], size: int) -> dict[str, Any]:
+    """Description of an array with so many runs in a chunk."""
+    chunks = list(array["chunks"])
+    chunks[_RUN] = size
+    return {**array, "chunks": chunks}
+
+
+def _edit(path: Path, change: Any) -> None:
+    path.write_text(json.dumps(change(json.loads(path.read_text(encoding="utf-8")))), encoding="utf-8")
