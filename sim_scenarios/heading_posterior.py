@@ -27,7 +27,10 @@ out: by the velocities that x_0 below grows to, it would tell the heading.
 **Data.** Biases are drawn into what the IMU measures along the true motion. The other errors x_0, of the
 start and of noise, are drawn into the motion: the vehicle moves otherwise, and GNSS shows it. Were noise in
 what the IMU measures, it would be an acceleration of which GNSS shows nothing, whatever the heading, and the
-posterior, to which every motion is as likely, would become too sure. With the mean m less the true biases ::
+posterior, to which every motion is as likely, would become too sure. Of biases the same is true until they
+and the tilts are told apart from noise, in the first half minute, and makes a few per cent there. They are
+not drawn into the motion because it would sway with them, and tell the heading to GNSS by that. With the mean
+m less the true biases ::
 
     m- = Phi_psi m + u_psi,   m = m- + K nu,   nu = h_psi - h_0 + H_0 x_0 + v - H_psi m-
     log p_i = log p_i - nu' S^-1 nu / 2 - log det S / 2
