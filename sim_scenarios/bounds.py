@@ -36,6 +36,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from sim_scenarios.attitude import skew
 from sim_scenarios.earth import EARTH_RATE, curvature, earth_rate, gravity, radii
@@ -165,12 +166,9 @@ def cramer_rao(trajectory: Trajectory, knowledge: Knowledge, *, smoothed: bool =
     Bound
         At the start and after each fix.
     """
-    prior = _prior_sigma(knowledge)
-    aids = _aids(trajectory, knowledge, len(prior))
-    density = np.zeros(len(prior))
-    density[ATTITUDE] = knowledge.angle_random_walk**2
-    density[VELOCITY] = knowledge.velocity_random_walk**2
-    transition, noise = discretised(trajectory[:-1], trajectory[1:], density)
+    prior = prior_sigma(knowledge)
+    aids = aids_of(trajectory, knowledge)
+    transition, noise = discretised(trajectory[:-1], trajectory[1:], white_noise(knowledge))
     predicted = np.empty((len(trajectory.time), len(prior), len(prior)))
     filtered = predicted.copy()
     predicted[0] = filtered[0] = P = np.diag(prior**2)
@@ -191,7 +189,7 @@ def cramer_rao(trajectory: Trajectory, knowledge: Knowledge, *, smoothed: bool =
 
 
 @dataclass(frozen=True)
-class _Aid:
+class Aid:
     """Measurement matrix at every time of the trajectory, noise covariance, how many arrive at each time."""
 
     H: Array
@@ -199,9 +197,10 @@ class _Aid:
     arriving: NDArray[np.int_]
 
 
-def _aids(trajectory: Trajectory, knowledge: Knowledge, states: int) -> list[_Aid]:
+def aids_of(trajectory: Trajectory, knowledge: Knowledge) -> list[Aid]:
     """What measures along a trajectory. What comes between two of its samples counts at the later one."""
     log = knowledge.log
+    states = len(prior_sigma(knowledge))
     aids = []
     for rate, sigma, observe in (
         (knowledge.gnss_rate, _measurement_sigma(knowledge), _observation),
@@ -212,13 +211,27 @@ def _aids(trajectory: Trajectory, knowledge: Knowledge, states: int) -> list[_Ai
                 raise InputError("the bound needs GNSS and a log with sigmas greater than 0")
             count = np.floor((trajectory.time - trajectory.time[0]) * rate + 1e-6).astype(int)
             H = observe(trajectory, knowledge, states)
-            aids.append(_Aid(H, np.diag(sigma**2), np.diff(count, prepend=0)))
+            aids.append(Aid(H, np.diag(sigma**2), np.diff(count, prepend=0)))
     if not aids:
         raise InputError("the bound needs GNSS or a log: a rate and sigmas greater than 0")
     return aids
 
 
-def _prior_sigma(knowledge: Knowledge) -> Array:
+def north_turned(offset: float) -> Array:
+    """Matrix that turns the world to the left, for a heading too large by an offset [rad], shape (3, 3)."""
+    turn: Array = Rotation.from_rotvec([0.0, 0.0, offset]).as_matrix()
+    return turn
+
+
+def white_noise(knowledge: Knowledge) -> Array:
+    """Density of the noise that drives each state [its unit squared / s], shape (states,)."""
+    density = np.zeros(len(prior_sigma(knowledge)))
+    density[ATTITUDE] = knowledge.angle_random_walk**2
+    density[VELOCITY] = knowledge.velocity_random_walk**2
+    return density
+
+
+def prior_sigma(knowledge: Knowledge) -> Array:
     """Of all states; those of the position count where positions are measured, a scale where a log is."""
     k = knowledge
     triples = [k.velocity_sigma, k.gyro_bias_sigma, k.accelerometer_bias_sigma]
@@ -259,16 +272,15 @@ def _observation_of_log(trajectory: Trajectory, _: Knowledge, states: int) -> Ar
     return H
 
 
-def discretised(begin: Trajectory, end: Trajectory, density: Array) -> tuple[Array, Array]:
+def discretised(
+    begin: Trajectory, end: Trajectory, density: Array, offset: float = 0.0
+) -> tuple[Array, Array]:
     """Transition and noise matrices of the errors over the intervals between two samples of a trajectory.
-
-    The mean specific force of an interval follows exactly from the velocities at its ends,
-    f_n = dv/dt + (2 w_ie + w_en) x v + g; the mean attitude from the attitudes at its ends.
 
     Parameters
     ----------
-    begin, end : Trajectory
-        Of the intervals; n samples each.
+    begin, end, offset
+        As of `error_dynamics`.
     density : ndarray, shape (states,)
         Of the white noise that drives each state [its unit squared / s]. Of 15 states on there are positions.
 
@@ -280,30 +292,53 @@ def discretised(begin: Trajectory, end: Trajectory, density: Array) -> tuple[Arr
     dt = (end.time - begin.time)[:, None, None]
     if not np.all(dt > 0):
         raise ValueError("the times of a trajectory must increase")
+    F = error_dynamics(begin, end, states, offset) * dt
+    square = F @ F
+    transition = np.eye(states) + F + square / 2 + square @ F / 6
+    half = np.eye(states) + F / 2
+    return transition, half @ (np.diag(density) * dt) @ np.swapaxes(half, -1, -2)
+
+
+def error_dynamics(begin: Trajectory, end: Trajectory, states: int, offset: float = 0.0) -> Array:
+    """Matrix F of x' = F x over the intervals between two samples of a trajectory, shape (n, states, states).
+
+    The mean specific force of an interval follows exactly from the velocities at its ends,
+    f_n = dv/dt + (2 w_ie + w_en) x v + g; the mean attitude from the attitudes at its ends.
+
+    Parameters
+    ----------
+    begin, end : Trajectory
+        Of the intervals; n samples each.
+    states : int
+        12 without positions, 15 with; further ones are constants.
+    offset : float
+        By how much the heading about which the errors are small is larger than the true one [rad]. The errors
+        are in axes that turn with it: in these attitude and specific force are what they are, and the Earth
+        and the velocities are turned (`north_turned`).
+    """
+    dt = (end.time - begin.time)[:, None]
     C_bn, velocity, latitude, height = (
         (getattr(begin, name) + getattr(end, name)) / 2 for name in ("C_bn", "velocity", "latitude", "height")
     )
     w_ie = earth_rate(latitude)
     to_transport_rate = curvature(latitude, height)
     w_en = (to_transport_rate @ velocity[..., None])[..., 0]
-    coriolis = skew(2 * w_ie + w_en)
-    force = (end.velocity - begin.velocity) / dt[..., 0] + (coriolis @ velocity[..., None])[..., 0]
+    force = (end.velocity - begin.velocity) / dt + np.cross(2 * w_ie + w_en, velocity)
     g = gravity(latitude, height)
     force[:, 2] += g
 
+    turn = north_turned(offset)
+    w_ie, w_en, velocity = (vector @ turn.T for vector in (w_ie, w_en, velocity))
+    to_transport_rate = turn @ to_transport_rate @ turn.T
     F = np.zeros((len(dt), states, states))
     F[:, ATTITUDE, ATTITUDE] = -skew(w_ie + w_en)
     F[:, ATTITUDE, VELOCITY] = to_transport_rate
     F[:, ATTITUDE, GYRO_BIAS] = -C_bn
     F[:, VELOCITY, ATTITUDE] = skew(force)
-    F[:, VELOCITY, VELOCITY] = -coriolis + skew(velocity) @ to_transport_rate
+    F[:, VELOCITY, VELOCITY] = skew(velocity) @ to_transport_rate - skew(2 * w_ie + w_en)
     F[:, VELOCITY, ACCELEROMETER_BIAS] = C_bn
     if states >= POSITION.stop:
         F[:, POSITION, POSITION] = -skew(w_en)
         F[:, POSITION, VELOCITY] = np.eye(3)
         F[:, VELOCITY.stop - 1, POSITION.stop - 1] = 2 * g / radii(latitude)[1]
-    F *= dt
-    square = F @ F
-    transition = np.eye(states) + F + square / 2 + square @ F / 6
-    half = np.eye(states) + F / 2
-    return transition, half @ (np.diag(density) * dt) @ np.swapaxes(half, -1, -2)
+    return F

@@ -194,7 +194,7 @@ def report_comparison(runs: xr.Dataset, folder: Path) -> Path:
 
 def report_bound(data: xr.Dataset, folder: Path) -> Path:
     """Report of the bound of `sim_scenarios.bound`; returns the path of the page."""
-    rms = f"{data.attrs['bound.heading_rms'] / ARCMIN:.2f} arcmin"
+    rms = f"{data.attrs.get('bound.heading_rms_any', data.attrs['bound.heading_rms']) / ARCMIN:.2f} arcmin"
     text = f"No filter knows the heading better than {rms} in the mean over many runs (RMS over the window)"
     page = Page(data.attrs["scenario"], text, None, about_bound(data), bound_table(data))
     return _write(data, BOUND, page, folder)
@@ -361,14 +361,20 @@ def about_bound(data: xr.Dataset) -> dict[str, str]:
     if "bound.heading_rms" not in data.attrs:
         return about
     steady = data.attrs["bound.steady_course_limit"] / ARCMIN
-    without = data.attrs.get("bound.heading_rms_steady")
+    without, of_any = (data.attrs.get(f"bound.heading_rms_{which}") for which in ("steady", "any"))
     return {
         "Cramer-Rao bound": bound_in_words(data.attrs["bound.heading_rms"]),
+        **({} if of_any is None else {"Of errors of any size": _with_standard_error(data, of_any)}),
         **({} if without is None else {"Without the manoeuvres": bound_in_words(without)}),
         "Steady-course limit": f"{steady:.2f} arcmin, eps_E / (w_ie cos L)",
         "Bound measures": f"GNSS {data.attrs['bound.measured']}",
         **about,
     }
+
+
+def _with_standard_error(data: xr.Dataset, rms: float) -> str:
+    standard_error = data.attrs["bound.heading_rms_any_standard_error"] / ARCMIN
+    return f"{bound_in_words(rms)}, with a standard error of {standard_error:.2f} arcmin"
 
 
 def comparison_table(verdicts: Mapping[str, Verdict]) -> list[list[str]]:
@@ -382,6 +388,8 @@ def bound_table(data: xr.Dataset) -> list[list[str]]:
     """Sigma of the heading, and of the position where it is measured, at round times, the heading first."""
     time = data["bound_time"].values
     columns = {"heading [']": data["bound.heading_sigma"].values / ARCMIN}
+    if "bound.heading_sigma_any" in data:
+        columns["heading, errors of any size [']"] = data["bound.heading_sigma_any"].values / ARCMIN
     if "bound.heading_sigma_steady" in data:
         columns["heading without manoeuvres [']"] = data["bound.heading_sigma_steady"].values / ARCMIN
     if "bound.position_sigma" in data:

@@ -1,4 +1,4 @@
-"""Cramer-Rao bound of a scenario (see `bounds`): its trajectory, what is known, and what is left out."""
+"""Bound of a scenario (`bounds`, `heading_posterior`): its trajectory, what is known, what is left out."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from sim_scenarios.connection import TRUTH, driver, parameter, start_plant, stri
 from sim_scenarios.cosimulation import FmuSource, Table
 from sim_scenarios.errors import SimulationError
 from sim_scenarios.fmus import ALIGNMENT_FILTER, Fmu, Fmus
+from sim_scenarios.heading_posterior import WIDE, heading_posterior
 from sim_scenarios.instance import Port
 from sim_scenarios.provenance import attributes
 from sim_scenarios.scenario import Scenario, load_scenario
@@ -85,13 +86,17 @@ def bound(
 def bound_of(scenario: Scenario, fmus: Fmus) -> xr.Dataset:
     """Posterior Cramer-Rao bound along the true trajectory of a loaded scenario.
 
-    Beside it, where the vehicle manoeuvres, that of the same motion without: what the manoeuvres are worth.
-    It is left out where that motion ends before the scenario does, at a pole, say.
+    Beside it, where the prior of the heading is wide, that of heading errors of any size; and where the
+    vehicle manoeuvres, the Cramer-Rao bound of the same motion without: what the manoeuvres are worth. That
+    is left out where that motion ends before the scenario does, at a pole, say.
     """
     true = _true_trajectory(scenario, fmus)
     time = ("time", true.time, {"units": "s"})
     data = xr.Dataset(coords={"time": time}, attrs=attributes(scenario, fmus))
     data = with_bound(data, true, scenario, fmus)
+    known = knowledge(scenario, fmus.plant, fmus[scenario.filter_fmu])
+    if known.heading_sigma >= WIDE and known.log is None:
+        data = _with_posterior(data, true, known)
     manoeuvres = [name for name, value in scenario.plant.items() if name.startswith(MANOEUVRES) and value]
     if manoeuvres:
         steady = scenario.model_copy(update={"plant": {**scenario.plant, **dict.fromkeys(manoeuvres, 0.0)}})
@@ -130,6 +135,21 @@ def with_bound(data: xr.Dataset, true: Trajectory, scenario: Scenario, fmus: Fmu
             {"units": "m", "description": f"{description}position (east, north, up)"},
         )
     data.attrs |= about
+    return data
+
+
+def _with_posterior(data: xr.Dataset, true: Trajectory, known: Knowledge) -> xr.Dataset:
+    """Data set of a bound with that of heading errors of any size."""
+    posterior = heading_posterior(true, known)
+    data["bound.heading_sigma_any"] = (
+        "bound_time",
+        posterior.heading_sigma,
+        {"units": "rad", "description": "Least root mean square error of the heading, whatever its size"},
+    )
+    rms, standard_error = posterior.heading_rms(
+        *(data.attrs[f"evaluation.{edge}"] for edge in ("start", "stop"))
+    )
+    data.attrs |= {"bound.heading_rms_any": rms, "bound.heading_rms_any_standard_error": standard_error}
     return data
 
 

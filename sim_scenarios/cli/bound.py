@@ -22,7 +22,8 @@ def show_bound(
 
     The posterior Cramer-Rao bound along the true trajectory; no filter runs. It is a root mean square over
     many runs: a single run may lie below. Where the vehicle manoeuvres, the bound of the same motion without
-    stands beside it: what the manoeuvres are worth.
+    stands beside it: what the manoeuvres are worth. Where the heading is not known to 20 deg beforehand, its
+    errors are not small, and a bound of errors of any size stands beside it too: a mean over 200 draws.
 
     For example:
 
@@ -37,16 +38,26 @@ def show_bound(
     name = f"{data.attrs['scenario']}-bound"
     files = refusing_bad_input()(partial(results.write, data, report.report_bound, name))
     if as_json:
-        steady = data.attrs.get("bound.heading_rms_steady")
+        rms, steady, of_any, standard_error = (
+            data.attrs[name] / ARCMIN if name in data.attrs else None
+            for name in map("bound.heading_rms{}".format, ("", "_steady", "_any", "_any_standard_error"))
+        )
+        sigma = {
+            f"{name}_arcmin": (data[f"bound.{name}"].values / ARCMIN).tolist()
+            for name in ("heading_sigma", "heading_sigma_any")
+            if f"bound.{name}" in data
+        }
         print_json(
             {
                 "scenario": data.attrs["scenario"],
-                "bound_arcmin": data.attrs["bound.heading_rms"] / ARCMIN,
-                "bound_without_manoeuvres_arcmin": None if steady is None else steady / ARCMIN,
+                "bound_arcmin": rms,
+                "bound_any_arcmin": of_any,
+                "bound_any_standard_error_arcmin": standard_error,
+                "bound_without_manoeuvres_arcmin": steady,
                 "steady_course_limit_arcmin": data.attrs["bound.steady_course_limit"] / ARCMIN,
                 "leaves_out": [name for name in data.attrs["bound.leaves_out"].split(", ") if name],
                 "time_s": data["bound_time"].values.tolist(),
-                "heading_sigma_arcmin": (data["bound.heading_sigma"].values / ARCMIN).tolist(),
+                **sigma,
                 **files(),
             }
         )

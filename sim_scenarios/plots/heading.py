@@ -14,6 +14,7 @@ from sim_scenarios.plots.style import (
     GREEN,
     INK,
     ORANGE,
+    PURPLE,
     figure,
     largest,
     limit,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BOUND = "bound.heading_sigma"
+BOUND_OF_ANY = "bound.heading_sigma_any"
 STEADY_BOUND = "bound.heading_sigma_steady"
 
 
@@ -151,9 +153,12 @@ def bound(data: xr.Dataset) -> Figure:
         axes.plot(
             data["bound_time"], data[BOUND] / ARCMIN, color=ORANGE, lw=1.6, label="sigma of the heading"
         )
-        if STEADY_BOUND in data:
-            sigma = data[STEADY_BOUND] / ARCMIN
-            axes.plot(data["bound_time"], sigma, color=GREEN, lw=1.2, label="without the manoeuvres")
+        for name, color, label in (
+            (BOUND_OF_ANY, PURPLE, "errors of any size"),
+            (STEADY_BOUND, GREEN, "without the manoeuvres"),
+        ):
+            if name in data:
+                axes.plot(data["bound_time"], data[name] / ARCMIN, color=color, lw=1.2, label=label)
         axes.plot(window, (rms, rms), ":", color=INK, lw=1.2, label=f"RMS over the window: {rms:.2f} arcmin")
         axes.axhline(
             steady, color=BLUE, ls="--", lw=1.0, label=f"limit of a steady course: {steady:.2f} arcmin"

@@ -399,6 +399,8 @@ def _bounds(bounds: Sequence[xr.Dataset], time: NDArray[np.float64]) -> dict[str
             series[i, known] = sigma[np.searchsorted(at, time[known] + RESOLUTION, side="right") - 1]
             over_window[i] = rms(within(at, sigma, start, stop))
         unit, what = ERRORS[name].unit, f"Posterior Cramer-Rao bound of the {ERRORS[name].title.lower()}"
+        if name == "heading":
+            what += ", or where its prior is wide that of errors of any size"
         variables[f"{name}_bound"] = (("scenario", "time"), series, _attributes(unit, what))
         about = _attributes(unit, f"{what}: RMS over the window")
         variables[f"{name}_bound_rms"] = ("scenario", over_window, about)
@@ -407,8 +409,12 @@ def _bounds(bounds: Sequence[xr.Dataset], time: NDArray[np.float64]) -> dict[str
 
 def _bound(data: xr.Dataset, name: str) -> NDArray[np.float64] | None:
     """Sigma of an error after each fix, None if the bound does not have it."""
-    source = {"heading": "bound.heading_sigma", "horizontal": "bound.position_sigma"}[name]
-    if source not in data:
+    sources = {
+        "heading": ("bound.heading_sigma_any", "bound.heading_sigma"),
+        "horizontal": ("bound.position_sigma",),
+    }
+    source = next((source for source in sources[name] if source in data), None)
+    if source is None:
         return None
     sigma: NDArray[np.float64] = data[source].values
     return sigma if sigma.ndim == 1 else np.hypot(sigma[:, 0], sigma[:, 1])

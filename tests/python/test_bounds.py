@@ -8,7 +8,7 @@ from pyins.error_model import InsErrorModel
 from scipy.linalg import block_diag
 
 from sim_scenarios.attitude import misalignment, wrap
-from sim_scenarios.bounds import POSITION, Knowledge, Log, Trajectory, _observation, cramer_rao
+from sim_scenarios.bounds import POSITION, Knowledge, Log, Trajectory, aids_of, cramer_rao
 from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 from sim_scenarios.scenario_bound import bound
@@ -181,7 +181,8 @@ def test_the_lever_arm_is_observed_as_the_misaligned_attitude_moves_it() -> None
     trajectory = trajectories.ship(TIME[:101], waves=True)
     lever_arm, phi = np.array([2.0, -30.0, 10.0]), np.array([1e-6, -2e-6, 3e-6])
     knowledge = Knowledge(lever_arm=tuple(lever_arm), gnss_position_sigma=5.0)
-    H = _observation(trajectory, knowledge, 15)
+    (gnss,) = aids_of(trajectory, knowledge)
+    H = gnss.H
     disturbed = misalignment(phi) @ trajectory.C_bn
     moved = (disturbed - trajectory.C_bn) @ lever_arm
     # d/dt in n of what is carried along by the body is C (w x l), w_en apart (1e-6 rad/s)

@@ -179,7 +179,16 @@ def test_bound(tmp_path: Path) -> None:
     assert content["heading_sigma_arcmin"][0] == pytest.approx(600)
     better = truenorth("bound", "zigzag", "--set", "gnss.velocity_sigma=0.02", "-o", tmp_path)
     assert "1.76 arcmin" in better.stdout
-    assert "GNSS velocity and position" in truenorth("bound", "any_heading", "-o", tmp_path).stdout
+    assert "bound_any_arcmin" in content
+    assert content["bound_any_arcmin"] is None  # its prior is 10 deg
+    unknown = truenorth("bound", "any_heading", "-o", tmp_path).stdout
+    assert "GNSS velocity and position" in unknown
+    assert "Of errors of any size" in unknown
+    wide = json.loads(truenorth("bound", "any_heading", "--json", "-o", tmp_path).stdout)
+    assert wide["bound_any_arcmin"] == pytest.approx(wide["bound_arcmin"], rel=0.01)
+    assert 0 < wide["bound_any_standard_error_arcmin"] < 0.01 * wide["bound_any_arcmin"]
+    assert wide["heading_sigma_any_arcmin"][0] == pytest.approx(60 * 180 / 3**0.5, rel=0.001)
+    assert len(wide["heading_sigma_any_arcmin"]) == len(wide["time_s"])
 
 
 def test_list() -> None:

@@ -52,6 +52,22 @@ def test_bounds_hold_from_fix_to_fix(tmp_path: Path, plan: Plan, made: list[Case
     assert float(results["horizontal_bound_rms"]) == pytest.approx(np.sqrt((100 + 25) / 2))
 
 
+def test_of_a_wide_prior_the_bound_of_any_error_counts(
+    tmp_path: Path, plan: Plan, made: list[Case], fmus: Fmus
+) -> None:
+    series = {"bound.heading_sigma": [9.0, 5.0, 3.0], "bound.heading_sigma_any": [8.0, 6.0, 4.0]}
+    bound = xr.Dataset(
+        {name: ("bound_time", values) for name, values in series.items()},
+        coords={"bound_time": [0.0, 1.5, 3.0]},
+        attrs=WINDOW,
+    )
+    store.create(tmp_path, plan, made, "any", [bound], fmus.plant)
+    results = store.open_results(tmp_path).isel(scenario=0)
+    np.testing.assert_array_equal(results["heading_bound"], [8, 8, 6, 4, np.nan])
+    assert float(results["heading_bound_rms"]) == pytest.approx(np.sqrt((36 + 16) / 2))
+    assert "errors of any size" in results["heading_bound"].attrs["description"]
+
+
 def test_a_case_may_lack_a_bound(tmp_path: Path, plan: Plan, made: list[Case], fmus: Fmus) -> None:
     store.create(tmp_path, plan, made, "any", [xr.Dataset(attrs=WINDOW)], fmus.plant)
     results = store.open_results(tmp_path)
