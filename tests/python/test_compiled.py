@@ -84,7 +84,7 @@ def test_the_name_of_the_function_counts_the_changes_of_its_structs() -> None:
     assert all(name in found for name in ("Kind", "When", "Operation", "Loop"))
     words = " ".join(re.sub("//.*", "", found).split())
     digest = hashlib.sha256(words.encode()).hexdigest()[:16]
-    assert (compiled._FUNCTION, digest) == ("truenorth_run_1", "be77c8da3a7690fd")
+    assert (compiled._FUNCTION, digest) == ("truenorth_run_2", "464208b44d817972")
 
 
 def test_several_fixes_in_a_period_and_steps_behind_the_last_row(fmus: Fmus) -> None:
