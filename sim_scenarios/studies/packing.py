@@ -1,9 +1,9 @@
 """The data set of a campaign that is done in few files, however many runs it has.
 
 While workers write, a chunk is a batch, small enough that one that is lost is soon done again. When all runs
-are there, the batches of a case are put together, `CHUNKS` of them at most. The packed data set is written
-beside the other one and takes its place; a process that is killed between leaves the one or the other, and
-`recover` finds it.
+are there, and a case has more than `MANY` batches, they are put together into `CHUNKS`. The packed data set
+is written beside the other one and takes its place; a process that is killed between leaves the one or the
+other, and `recover` finds it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from sim_scenarios.studies import store
 from sim_scenarios.studies.store import Batch, Writer
 
 CHUNKS: Final = 10
-"""Files of a variable for each case."""
+"""Files of a variable for each case that is packed."""
+MANY: Final = 50
+"""Files of a variable for each case that are left as they are: to put them together takes its time, too."""
 BEFORE: Final = f"{store.NAME}.before"
 """What the packed data set takes the place of."""
 _RUN: Final = store.RUNS.index("run")
@@ -36,7 +38,7 @@ def pack(folder: Path) -> None:
     state = arrays["state"]
     cases, _, runs = state.shape
     size = -(-runs // CHUNKS)
-    if size <= state.chunks[_RUN] or any(store.unfinished(path)):
+    if state.cdata_shape[_RUN] <= MANY or any(store.unfinished(path)):
         return
     draft = Owned(folder, DRAFT)
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,14 @@ from sim_scenarios.studies.cases import cases
 from sim_scenarios.studies.plan import load_plan
 from sim_scenarios.studies.store import Batch, State
 
-RUNS = 23
+RUNS = 9
 WINDOW = {"evaluation.start": 1.0, "evaluation.stop": 3.0, "filter_fmu": "NavigationFilter"}
+
+
+@pytest.fixture(autouse=True)
+def few_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(packing, "MANY", 4)
+    monkeypatch.setattr(packing, "CHUNKS", 4)
 
 
 def write(folder: Path, batches: list[Batch]) -> None:
@@ -29,15 +36,21 @@ def write(folder: Path, batches: list[Batch]) -> None:
         writer.write(batch, values.__getitem__, state)
 
 
-@pytest.fixture
-def folder(tmp_path: Path, fmus: Fmus) -> Path:
+@pytest.fixture(scope="module")
+def original(fmus: Fmus, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """All runs of two cases, in a chunk each."""
-    plan = load_plan(
-        "waves", runs=RUNS, set={"duration": 4.0, "evaluation.start": 1.0}, grid={"gnss.rate": [1, 2]}
-    )
+    folder = tmp_path_factory.mktemp("stored")
+    settings = {"duration": 4.0, "evaluation.start": 1.0}
+    plan = load_plan("waves", runs=RUNS, filters=("EKF",), set=settings, grid={"gnss.rate": [1, 2]})
     bounds = [xr.Dataset(attrs=WINDOW)] * 2
-    store.create(tmp_path, plan, cases(plan, fmus), "any", bounds, fmus.plant)
-    write(tmp_path, list(store.unfinished(tmp_path / store.NAME)))
+    store.create(folder, plan, cases(plan, fmus), "any", bounds, fmus.plant)
+    write(folder, list(store.unfinished(folder / store.NAME)))
+    return folder
+
+
+@pytest.fixture
+def folder(original: Path, tmp_path: Path) -> Path:
+    shutil.copytree(original / store.NAME, tmp_path / store.NAME)
     return tmp_path
 
 
@@ -51,7 +64,7 @@ def test_few_files_hold_the_same_numbers(folder: Path) -> None:
     xr.testing.assert_identical(content(folder), before)
     for name in store.of_runs(store.stored(path)):
         chunks = [file for file in (path / name).iterdir() if file.name[0].isdigit()]
-        assert len(chunks) == 2 * -(-RUNS // 3), name  # a tenth of the runs, rounded up, in each
+        assert len(chunks) == 2 * 3, name  # of three runs each
     assert store.is_there(folder, "any")
     assert store.discard_damaged(path) == []
     assert [entry.name for entry in folder.iterdir()] == [store.NAME]
@@ -74,6 +87,12 @@ def test_a_damaged_chunk_of_a_packed_data_set_is_done_again(folder: Path) -> Non
     write(folder, missing)
     assert list(store.unfinished(path)) == []
     assert store.discard_damaged(path) == []
+
+
+def test_a_small_data_set_stays_as_it_is(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(packing, "MANY", RUNS)
+    packing.pack(folder)
+    assert store.stored(folder / store.NAME)["state"].chunks[2] == 1
 
 
 def test_runs_that_are_missing_are_waited_for(folder: Path) -> None:
