@@ -12,11 +12,12 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any, Final, TypeVar
 
 import xarray as xr
@@ -132,13 +133,16 @@ class Workers:
     def results(self, do: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[tuple[Task, Result]]:
         """Tasks and their results, as they are done. A task on which a worker died is given out again."""
         waiting, pending = deque(tasks), dict[Future[Result], Task]()
+        done: SimpleQueue[Future[Result]] = SimpleQueue()  # to wait for all takes as long as there are
         deaths = 0
         while waiting or pending:
             try:
                 while waiting and len(pending) < AHEAD * self.count:
                     future = self._executor.submit(do, waiting[0])
                     pending[future] = waiting.popleft()
-                for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                    future.add_done_callback(done.put)
+                future = done.get()
+                if future in pending:  # no more of workers that have died
                     result = future.result()
                     deaths = 0
                     yield pending.pop(future), result
