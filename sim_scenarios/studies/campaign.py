@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -71,20 +72,36 @@ class Campaign:
         """
         with reserved(self.folder, "campaign"):
             identity = fingerprint(self.plan, self.cases, self.versions)
-            effort = Effort(0, 0, 0.0, 0.0)
             there, damaged = self._found(identity, overwrite)
             if working is not None:
                 effort = self._work(working, identity, there, report)
-            elif not there or any(store.unfinished(self.path)):
-                try:
-                    with execution.workers(workers, scheduler, insecure) as working:
-                        effort = self._work(working, identity, there, report)
-                finally:
-                    if scheduler is None:  # its workers have ended
-                        store.sweep(self.path)
+            else:
+                work = partial(self._missing, workers, scheduler, insecure, identity, report)
+                effort = work(there)
+                while scheduler is None and (late := packing.pack(self.folder)):
+                    damaged += late
+                    effort = work(True)
             store.sweep(self.path)
-            packing.pack(self.folder)
             return replace(effort, damaged=tuple(damaged))
+
+    def _missing(
+        self,
+        workers: int | None,
+        scheduler: str | None,
+        insecure: bool,
+        identity: str,
+        report: Report,
+        there: bool,
+    ) -> Effort:
+        """Run what is missing, if something is, with workers that are started or asked for it."""
+        if there and not any(store.unfinished(self.path)):
+            return Effort(0, 0, 0.0, 0.0)
+        try:
+            with execution.workers(workers, scheduler, insecure) as working:
+                return self._work(working, identity, there, report)
+        finally:
+            if scheduler is None:  # its workers have ended
+                store.sweep(self.path)
 
     def _work(self, working: Workers, identity: str, there: bool, report: Report) -> Effort:
         if not there:

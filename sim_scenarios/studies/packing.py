@@ -3,7 +3,7 @@
 While workers write, a chunk is a batch, small enough that one that is lost is soon done again. When all runs
 are there, and a case has more than `MANY` batches, they are put together into `CHUNKS`. The packed data set
 is written beside the other one and takes its place; a process that is killed between leaves the one or the
-other, and `recover` finds it.
+other, which `store.open_results` finds, and `recover` puts in its place.
 """
 
 from __future__ import annotations
@@ -24,22 +24,38 @@ from sim_scenarios.studies.store import Batch, Writer
 
 CHUNKS: Final = 10
 """Files of a variable for each case that is packed."""
-MANY: Final = 50
+MANY: Final = 100
 """Files of a variable for each case that are left as they are: to put them together takes its time, too."""
-BEFORE: Final = f"{store.NAME}.before"
-"""What the packed data set takes the place of."""
 _RUN: Final = store.RUNS.index("run")
 
 
-def pack(folder: Path) -> None:
-    """Put the chunks of a campaign's data set together, if all its runs are there and it has many."""
+def pack(folder: Path) -> list[str]:
+    """Put the chunks of a campaign's data set together, if all its runs are there and it has many.
+
+    Only when nobody else writes. Where there is no room for it, the data set stays as it is.
+
+    Returns
+    -------
+    list of str
+        Chunks that are lost or damaged, whose runs are missing from now on; nothing is put together then.
+    """
     path = folder / store.NAME
     arrays = store.stored(path)
     state = arrays["state"]
-    cases, _, runs = state.shape
-    size = -(-runs // CHUNKS)
+    size = -(-state.shape[_RUN] // CHUNKS)
     if state.cdata_shape[_RUN] <= MANY or any(store.unfinished(path)):
-        return
+        return []
+    if damaged := store.discard_damaged(path):
+        return damaged
+    with suppress(OSError):
+        _pack(folder, arrays, size)
+    return []
+
+
+def _pack(folder: Path, arrays: Mapping[str, Any], size: int) -> None:
+    """Put chunks together, so many runs in each."""
+    path, state = folder / store.NAME, arrays["state"]
+    cases, _, runs = state.shape
     draft = Owned(folder, DRAFT)
     try:
         packed = draft.path / store.NAME
@@ -49,7 +65,7 @@ def pack(folder: Path) -> None:
             for start in range(0, runs, size):
                 batch = Batch(case, start, min(start + size, runs))
                 writer.write(batch, partial(_stored, arrays, batch), state[batch.region])
-        path.replace(folder / BEFORE)
+        path.replace(folder / store.BEFORE)
         packed.replace(path)
     finally:
         recover(folder)
@@ -58,7 +74,7 @@ def pack(folder: Path) -> None:
 
 def recover(folder: Path) -> None:
     """Put back what a packed data set was about to take the place of, or remove it."""
-    path, before = folder / store.NAME, folder / BEFORE
+    path, before = folder / store.NAME, folder / store.BEFORE
     if path.exists():
         discard(before)
     else:

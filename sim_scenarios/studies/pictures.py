@@ -57,7 +57,7 @@ def _errors(case: CaseSummary, axes: Axes) -> None:
         axes.plot(case.time, course.middle / unit.size, dashes, color=colour, lw=1.4, label=label)
     bound = case.bounds[case.counting]
     if np.isfinite(bound).any():
-        axes.plot(case.time, bound / unit.size, color=style.INK, lw=1.0, label="Cramer-Rao bound")
+        axes.plot(case.time, bound / unit.size, color=style.INK, lw=1.0, label="bound")
     axes.set_title(f"{ERRORS[case.counting].title} error: RMS over runs")
     axes.set_ylabel(unit.name)
     axes.set_xlabel("time [s]")

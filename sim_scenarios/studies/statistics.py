@@ -72,7 +72,7 @@ class Summary:
     rmse : dict of str to Estimate
         Over window and finished runs, by quantity of `quantities.ERRORS`.
     to_bound : Estimate
-        RMSE of the error that counts, by the Cramer-Rao bound.
+        RMSE of the error that counts, by the bound.
     ratio : Estimate
         The same by that of the reference filter of the case on the same seeds.
     convergence : tuple of float
@@ -153,7 +153,7 @@ class CaseSummary:
     time : ndarray, shape (times,)
         Of the courses [s].
     bounds : dict of str to ndarray, shape (times,)
-        Cramer-Rao bound of each of `quantities.BOUNDED`, in SI units; NaN where there is none.
+        Bound of each of `quantities.BOUNDED`, in SI units; NaN where there is none.
     bound_rms : float
         Of the error that counts over the window; NaN where there is none.
     """

@@ -45,6 +45,8 @@ from sim_scenarios.studies.quantities import BOUNDED, ERRORS, RECORDED, SERIES, 
 from sim_scenarios.timeline import RESOLUTION, instants, within
 
 NAME: Final = "campaign.zarr"
+BEFORE: Final = f"{NAME}.before"
+"""The data set while another one takes its place (see `packing`)."""
 DRAWN: Final = "drawn."
 """Beginning of the names of what is drawn for the runs."""
 RUNS: Final = ("scenario", "filter", "run")
@@ -258,8 +260,13 @@ def _writing_all(array: Any) -> Any:
 
 
 def open_results(folder: str | Path) -> xr.Dataset:
-    """Results of a campaign, read from its folder as they are needed."""
+    """Results of a campaign, read from its folder as they are needed.
+
+    To be opened anew when the campaign has gone on: its chunks may then be others.
+    """
     path = Path(folder) / NAME
+    if not path.exists() and (before := path.with_name(BEFORE)).exists():
+        path = before  # who was at work has been killed
     if not path.exists():
         raise InputError(f"there are no results of a campaign in {folder}")
     data: xr.Dataset = xr.open_zarr(path, chunks="auto")  # of Dask, larger than the batches on disk

@@ -133,7 +133,7 @@ def by_scenario(cases: Sequence[CaseSummary]) -> Rows:
     def rmse(case: CaseSummary, one: Summary) -> str:
         return interval(one.rmse[case.counting] / unit_of(case).size)
 
-    return _crossed("RMSE (95 % interval)", titles, cases, rmse, ["Cramer-Rao bound", *bounds])
+    return _crossed("RMSE (95 % interval)", titles, cases, rmse, ["bound", *bounds])
 
 
 def wrongly_sure(cases: Sequence[CaseSummary]) -> Rows:

@@ -63,7 +63,7 @@ def choose(opened: Page, control: str, value: str) -> None:
 @browser_is_there
 def test_curves_are_drawn_and_follow_the_switches(opened: Page) -> None:
     for plot in ("error", "runs", "nees", "nis"):
-        assert set(curves(opened, plot)) - {"Cramer-Rao bound"} == {"EKF", "UKF"}
+        assert set(curves(opened, plot)) - {"bound"} == {"EKF", "UKF"}
     opened.get_by_label("EKF", exact=True).uncheck()
     for plot in ("error", "runs", "nees", "nis"):
         assert "EKF" not in curves(opened, plot)
@@ -76,7 +76,7 @@ def test_curves_are_drawn_and_follow_the_switches(opened: Page) -> None:
     assert opened.locator("#error .ytitle").text_content() == "m/s"
     choose(opened, "quantity", "Heading")
     choose(opened, "case", "overconfident_prior gnss.rate=1.0")
-    assert curves(opened, "error") == ["Cramer-Rao bound", "UKF"]
+    assert curves(opened, "error") == ["bound", "UKF"]
     choose(opened, "case", "zigzag gnss.rate=1.0")
 
 
@@ -140,7 +140,7 @@ def test_the_script_draws_all_plots_of_a_case(files: dict[str, str]) -> None:
     """Without a browser: no filter is switched on, the bound stays."""
     shown = drawn(Path(files["report"]).read_text(encoding="utf-8"))
     assert [plot["id"] for plot in shown["drawn"]] == ["error", "runs", "nees", "nis"]
-    assert [curve["name"] for curve in shown["drawn"][0]["data"]] == ["Cramer-Rao bound"]
+    assert [curve["name"] for curve in shown["drawn"][0]["data"]] == ["bound"]
     assert "Heading" in shown["options"]["quantity"]
 
 
@@ -152,7 +152,7 @@ def test_pictures_and_table_lie_beside_the_page(files: dict[str, str], cases: li
         assert {f"{stem}.png", f"{stem}.svg"} <= names
     first = Path(files["table"]).read_text(encoding="utf-8").strip().split("\n\n")[0]  # that of the RMSE
     heading, _, *lines = [line for line in first.splitlines() if line.startswith("|")]
-    assert [cell.strip() for cell in heading.split("|")[2:-1]] == ["EKF", "UKF", "Cramer-Rao bound"]
+    assert [cell.strip() for cell in heading.split("|")[2:-1]] == ["EKF", "UKF", "bound"]
     assert [line.split("|")[1].strip() for line in lines] == [
         f"{case.label}: heading [arcmin]" for case in cases
     ]

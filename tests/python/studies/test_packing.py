@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import shutil
 from pathlib import Path
 
@@ -95,6 +96,39 @@ def test_a_small_data_set_stays_as_it_is(folder: Path, monkeypatch: pytest.Monke
     assert store.stored(folder / store.NAME)["state"].chunks[2] == 1
 
 
+@pytest.mark.parametrize("harm", ["lost", "of another run", "damaged"])
+def test_what_is_lost_or_damaged_is_not_put_together(folder: Path, harm: str) -> None:
+    path = folder / store.NAME
+    chunk, other = (path / "heading_rmse" / f"0.0.{k}" for k in (2, 5))
+    if harm == "lost":
+        chunk.unlink()
+    else:
+        content = bytearray((chunk if harm == "damaged" else other).read_bytes())
+        content[-1] ^= harm == "damaged"
+        chunk.write_bytes(content)
+    named = "seal/0.0.2" if harm == "of another run" else "heading_rmse/0.0.2"
+    assert packing.pack(folder) == [named]
+    missing = list(store.unfinished(path))
+    assert missing == [Batch(0, 2, 3)]
+    write(folder, missing)
+    assert packing.pack(folder) == []
+    assert store.stored(path)["state"].chunks[2] == 3
+
+
+def test_without_room_the_data_set_stays_as_it_is(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "no room")
+
+    before = content(folder)
+    with monkeypatch.context() as patch:
+        patch.setattr(store.Writer, "write", full)
+        assert packing.pack(folder) == []
+    xr.testing.assert_identical(content(folder), before)
+    assert [entry.name for entry in folder.iterdir()] == [store.NAME]
+    assert packing.pack(folder) == []
+    assert store.stored(folder / store.NAME)["state"].chunks[2] == 3
+
+
 def test_runs_that_are_missing_are_waited_for(folder: Path) -> None:
     path = folder / store.NAME
     (path / "state" / "1.0.4").unlink()
@@ -108,7 +142,7 @@ def test_a_data_set_is_there_whenever_packing_is_killed(
 ) -> None:
     before = content(folder)
     replace, recover = Path.replace, packing.recover
-    last = {"before": folder / packing.BEFORE, "between": folder / store.NAME}
+    last = {"before": folder / store.BEFORE, "between": folder / store.NAME}
 
     def dying(source: Path, target: Path) -> Path:
         if target == last.get(killed):
@@ -124,8 +158,9 @@ def test_a_data_set_is_there_whenever_packing_is_killed(
                 packing.pack(folder)
         else:
             packing.pack(folder)
-    assert (folder / packing.BEFORE).exists() == (killed != "before")
+    assert (folder / store.BEFORE).exists() == (killed != "before")
+    xr.testing.assert_identical(content(folder), before)
     recover(folder)
-    assert not (folder / packing.BEFORE).exists()
+    assert not (folder / store.BEFORE).exists()
     xr.testing.assert_identical(content(folder), before)
     assert (store.stored(folder / store.NAME)["state"].chunks[2] > 1) == (killed == "after")
