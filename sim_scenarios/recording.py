@@ -31,6 +31,7 @@ from xarray.backends import ScipyDataStore
 from sim_scenarios import attitude
 from sim_scenarios.cosimulation import Recorded
 from sim_scenarios.earth import displacement
+from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmu
 
 FIX_OUTPUTS: Final = (
@@ -124,20 +125,28 @@ def _with_fix_used(part: dict[str, Entry]) -> dict[str, Entry]:
 
 def _side_by_side(parts: Mapping[str, dict[str, Entry]]) -> dict[str, Entry]:
     """Outputs of several filters, by label, in one data set."""
-    known: dict[str, Entry] = {}
-    for part in parts.values():
-        known |= {name: entry for name, entry in part.items() if name not in known}
-    return {name: _stacked(name, entry, parts) for name, entry in known.items()}
+    names = dict.fromkeys(name for part in parts.values() for name in part)
+    return {name: _stacked(name, parts) for name in names}
 
 
-def _stacked(name: str, entry: Entry, parts: Mapping[str, dict[str, Entry]]) -> Entry:
-    """An output of several filters, one of which has this entry; NaN, or false, of those that lack it."""
-    dimensions, values, attributes = entry
-    having = [label for label, part in parts.items() if name in part]
-    blank = np.full(values.shape, False if values.dtype == bool else np.nan)
-    stacked = np.stack([part[name][1] if name in part else blank for part in parts.values()])
+def _stacked(name: str, parts: Mapping[str, dict[str, Entry]]) -> Entry:
+    """An output of several filters, some of which may lack it, or elements of it: NaN there, or false."""
+    having = {label: part[name] for label, part in parts.items() if name in part}
+    dimensions, widest, attributes = max(having.values(), key=lambda entry: entry[1].size)
+    if any(values.ndim != widest.ndim for _, values, _ in having.values()):
+        raise InputError(f"{name}: {', '.join(having)} have it as numbers and as arrays")
+
+    def filled(values: NDArray[Any] | None) -> NDArray[Any]:
+        if values is not None and values.shape == widest.shape:
+            return values
+        result = np.full(widest.shape, False if widest.dtype == bool else np.nan)
+        if values is not None:
+            result[tuple(map(slice, values.shape))] = values
+        return result
+
+    stacked = np.stack([filled(part[name][1] if name in part else None) for part in parts.values()])
     if len(having) < len(parts):
-        attributes = {**attributes, "filters": json.dumps(having)}
+        attributes = {**attributes, "filters": json.dumps(list(having))}
     return ("filter", *dimensions), stacked, attributes
 
 

@@ -4,9 +4,12 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 import xarray as xr
 
 import sim_scenarios
+from sim_scenarios import recording
+from sim_scenarios.errors import InputError
 from sim_scenarios.fmus import Fmus
 
 
@@ -54,3 +57,24 @@ def test_it_says_what_made_it(ship: xr.Dataset, fmus: Fmus) -> None:
     assert settings["filter"]["prior.heading_sigma"] == "10 deg"
     assert settings["plant"]["motion.kind"] == "ship"
     assert json.loads(ship.attrs["versions"])["TruthPlant"] == fmus.plant.guid
+
+
+def test_outputs_of_different_filters_stand_side_by_side() -> None:
+    """A filter may lack an output, or elements of it."""
+    about = {"units": "m"}
+    one = {"innovation": (("fix", "axis3"), np.arange(6.0).reshape(2, 3), about)}
+    other = {
+        "innovation": (("fix", "axis2"), np.ones((2, 2)), {}),
+        "converged": (("time",), np.array([True, True]), {}),
+        "status": (("time",), np.array([1, 2], dtype=np.int32), {}),
+    }
+    found = recording._side_by_side({"one": one, "other": other})
+    dimensions, values, attributes = found["innovation"]
+    assert (dimensions, attributes) == (("filter", "fix", "axis3"), about)
+    np.testing.assert_array_equal(values[1], [[1, 1, np.nan], [1, 1, np.nan]])
+    assert found["converged"][1].dtype == bool
+    assert found["converged"][1].tolist() == [[False, False], [True, True]]
+    assert found["converged"][2] == {"filters": '["other"]'}
+    np.testing.assert_array_equal(found["status"][1], [[np.nan, np.nan], [1, 2]])
+    with pytest.raises(InputError, match=r"status: one, other have it as numbers and as arrays"):
+        recording._side_by_side({"one": {"status": (("time", "axis2"), np.ones((2, 2)), {})}, "other": other})
