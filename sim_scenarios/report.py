@@ -194,7 +194,11 @@ def report_comparison(runs: xr.Dataset, folder: Path) -> Path:
 
 def report_bound(data: xr.Dataset, folder: Path) -> Path:
     """Report of the bound of `sim_scenarios.bound`; returns the path of the page."""
-    rms = f"{data.attrs.get('bound.heading_rms_any', data.attrs['bound.heading_rms']) / ARCMIN:.2f} arcmin"
+    if "bound.heading_rms_any" in data.attrs:
+        known, error = (data.attrs[f"bound.heading_rms_any{what}"] for what in ("", "_standard_error"))
+        rms = f"{known / ARCMIN:.2f} arcmin (standard error {error / ARCMIN:.2f})"
+    else:
+        rms = f"{data.attrs['bound.heading_rms'] / ARCMIN:.2f} arcmin"
     text = f"No filter knows the heading better than {rms} in the mean over many runs (RMS over the window)"
     page = Page(data.attrs["scenario"], text, None, about_bound(data), bound_table(data))
     return _write(data, BOUND, page, folder)

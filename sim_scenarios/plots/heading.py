@@ -166,7 +166,7 @@ def bound(data: xr.Dataset) -> Figure:
         axes.set_yscale("log")
         axes.set_ylabel("arcmin")
         axes.set_xlabel("time [s]")
-        axes.set_title(f"Posterior Cramer-Rao bound: {data.attrs['scenario']}")
+        axes.set_title(f"Bound of the heading: {data.attrs['scenario']}")
         axes.legend(loc="upper right")
         return drawn
 

@@ -67,7 +67,7 @@
     }
     const bound = one.bounds[quantity];
     if (bound && bound.some((value) => value !== null)) {
-      traces.push({ name: "Cramer-Rao bound", x: one.time, y: bound, mode: "lines",
+      traces.push({ name: "bound", x: one.time, y: bound, mode: "lines",
                     line: { color: theme().ink, width: 1.2 } });
     }
     for (const filter of filters) traces.push(curve(filter, one.time, filter.data.errors[quantity].middle));

@@ -184,7 +184,7 @@ def test_a_scenario_has_it_where_its_prior_is_wide(fmus: Fmus) -> None:
 
 def test_refuses_what_it_cannot_use() -> None:
     trajectory = trajectories.ship(TIME[:101])
-    with pytest.raises(InputError, match=r"more than 2.25 deg"):
+    with pytest.raises(InputError, match=r"more than 1.125 deg"):
         heading_posterior(trajectory, Knowledge(heading_sigma=2 * DEGREE))
     with pytest.raises(InputError, match="knows no log"):
         heading_posterior(trajectory, Knowledge(log=Log((0.1, 0.1, 0.1), 1.0)))
