@@ -58,7 +58,8 @@ def test_includes_point_one_way(layer: str) -> None:
 
 OF_THE_LIBRARY = re.compile(
     r"std::(?:a?(?:sin|cos|tan)h?|atan2|exp[m12]*|log(?:1p|2|10)?|pow|cbrt|hypot|[lt]gamma|erfc?)\("
-    r"|\.(?:sin|cos|tan|exp|log|pow|cube)\("
+    r"|\.(?:sin|cos|tan|exp|log|pow|cube|slerp|angularDistance|eulerAngles)\("
+    r"|\b(?:AngleAxis|Rotation2D)"
 )
 """Functions of the C library, and of Eigen, whose last bit depends on the processor."""
 
@@ -75,7 +76,13 @@ def test_elementary_functions_are_our_own(layer: str) -> None:
 
 
 def test_a_function_of_the_library_is_found() -> None:
-    for text in ("std::atan2(y, x)", "std::expm1(x)", "S.array().log().sum()", "std::pow(x, 2)"):
+    for text in (
+        "std::atan2(y, x)",
+        "std::expm1(x)",
+        "S.array().log().sum()",
+        "std::pow(x, 2)",
+        "a.slerp(t, b)",
+    ):
         assert OF_THE_LIBRARY.search(text), text
     for text in ("std::abs(x)", "exponential(x)", "log.event(x)", "std::exp2f"):
         assert not OF_THE_LIBRARY.search(text), text

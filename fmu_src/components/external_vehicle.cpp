@@ -100,7 +100,7 @@ Found leap(const KnownPoint& from, const KnownPoint& to) {
                       .most = V::kLargestAcceleration * duration,
                       .reason = "1000 m/s2"}));
     otherwise(beyond({.name = "change of external.attitude",
-                      .value = from.q_bn.angularDistance(to.q_bn),
+                      .value = angle_between(from.q_bn, to.q_bn),
                       .most = V::kLargestRate * duration,
                       .reason = "100 rad/s"}));
     return found;

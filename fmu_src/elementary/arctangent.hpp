@@ -1,5 +1,6 @@
 // The angle of a point in the plane, of one or of each of a set, with the same bits on every processor (see
-// sincos.hpp). Error below 2.5 ulp; coordinates finite, signs of zeros as of std::atan2.
+// sincos.hpp). Error below 2.5 ulp; coordinates and their sum are finite and none is subnormal; signs of
+// zeros as of std::atan2.
 //
 // The smaller coordinate over the larger is the tangent of at most pi/4; one beyond tan(pi/8) is turned back,
 //

@@ -1,4 +1,5 @@
-// Exponentials with the same bits on every processor (see sincos.hpp). Error below 1 ulp, 2 of what is small.
+// Exponentials with the same bits on every processor (see sincos.hpp). Error of e^x below 1 ulp, of e^x - 1
+// below 2.
 //
 // x = k log 2 + r with |r| <= log(2) / 2, e^r = 1 + r + r^2 E(r), E minimax, relative error 2^-61.
 #pragma once

@@ -1,6 +1,7 @@
 #include "filter/antenna_history.hpp"
 
 #include "contract/time_tolerance.hpp"
+#include "inertial/attitude.hpp"
 
 namespace truenorth {
 
@@ -66,7 +67,7 @@ std::optional<AntennaState> AntennaHistory::at(double time) const {
                                          share * earth::displacement(before.position, after.position)),
             .velocity = before.velocity + share * (after.velocity - before.velocity),
             .lever_velocity = before.lever_velocity + share * (after.lever_velocity - before.lever_velocity),
-            .q_bn = before.q_bn.slerp(share, after.q_bn),
+            .q_bn = between(before.q_bn, after.q_bn, share),
             .omega_eb_b = before.omega_eb_b + share * (after.omega_eb_b - before.omega_eb_b),
             .travelled = IntervalAverage::between(before.travelled, after.travelled, share)};
     }

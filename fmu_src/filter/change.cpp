@@ -1,7 +1,5 @@
 #include "filter/change.hpp"
 
-#include <Eigen/Geometry>
-
 #include "inertial/earth.hpp"
 
 namespace truenorth {
@@ -16,10 +14,6 @@ Change Change::between(const NavigationState& before, const NavigationState& aft
     return {.rotation = (after.q_bn * before.q_bn.conjugate()).toRotationMatrix(),
             .velocity = after.velocity - before.velocity,
             .displacement = earth::displacement(before.position, after.position)};
-}
-
-Eigen::Matrix3d about_up(double angle) {
-    return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
 }  // namespace truenorth

@@ -18,7 +18,4 @@ struct Change {
     static Change between(const NavigationState& before, const NavigationState& after);
 };
 
-// A turn of the computed frame about up [rad].
-Eigen::Matrix3d about_up(double angle);
-
 }  // namespace truenorth

@@ -6,6 +6,7 @@
 
 #include "contract/time_tolerance.hpp"
 #include "elementary/exponential.hpp"
+#include "inertial/attitude.hpp"
 
 namespace truenorth {
 
@@ -40,8 +41,7 @@ void HeadingFinder::add(const AntennaState& then, const Eigen::Vector3d& velocit
 
 void HeadingFinder::turn(const Eigen::Matrix3d& R, const IntervalAverage& travelled) {
     const double angle = arctangent(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
-    const Eigen::Rotation2Dd back(-angle);
-    sum_ = back * sum_;
+    sum_ = about_up(-angle).topLeftCorner<2, 2>() * sum_;
     mechanised_ = R * mechanised_;  // gravity too, which a tilt would show as acceleration
     force_ = R * force_;
     lever_velocity_ = R * lever_velocity_;
@@ -57,15 +57,15 @@ void HeadingFinder::turn_with_measured(const Eigen::Matrix3d& R, const IntervalA
 }
 
 Eigen::Matrix3d HeadingFinder::upright(double angle) const {
-    const Eigen::AngleAxisd heading(angle, Eigen::Vector3d::UnitZ());
+    const Eigen::Matrix3d heading = about_up(angle);
     if (memory_ <= 0.0) {
-        return heading.toRotationMatrix();
+        return heading;
     }
     const Eigen::Vector3d force = force_ / memory_;
     const Eigen::Vector2d level = acceleration_ / memory_;
     const double up = std::sqrt(std::max(force.squaredNorm() - level.squaredNorm(), 1.0));
     const Eigen::Vector3d expected(level.x(), level.y(), up);
-    const Eigen::Vector3d before = heading.inverse() * expected;
+    const Eigen::Vector3d before = heading.transpose() * expected;
     return heading * Eigen::Quaterniond::FromTwoVectors(force, before).toRotationMatrix();
 }
 

@@ -4,6 +4,7 @@
 #include "contract/count_up.hpp"
 #include "filter/aids.hpp"
 #include "filter/inertial_filter_run.hpp"
+#include "inertial/attitude.hpp"
 
 namespace truenorth {
 

@@ -3,6 +3,7 @@
 
 #include "filter/filter_outputs.hpp"
 #include "filter/inertial_filter_run.hpp"
+#include "inertial/attitude.hpp"
 
 namespace truenorth {
 

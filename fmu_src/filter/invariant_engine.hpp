@@ -442,7 +442,7 @@ auto InvariantEngine<coloured>::take_again(const Eigen::Quaterniond& at_first_fi
         take_again(at, known, kUnknownAngle);
         at.biases = estimator.state.sensors.template head<6>();
         const Eigen::Quaterniond found = coarse_.at_first_fix(estimator.state.pose.attitude, at.biases);
-        moved = at.attitude.angularDistance(found);
+        moved = angle_between(at.attitude, found);
         at.attitude = found;
     }
     return at;
@@ -474,7 +474,7 @@ void InvariantEngine<coloured>::spread(const Linearisation& at, const Sensors& k
     const Eigen::Vector3d vertical = coarse_.first_fix().C_en.row(2);
     const bool evident = moved(at, known);
     for (int k = 0; k < kHeadings; ++k) {
-        const Eigen::Quaterniond turn(Eigen::AngleAxisd(k * kApart, vertical));
+        const Eigen::Quaterniond turn = quaternion(k * kApart * vertical);
         const double likelihood =
             take_again({.attitude = turn * at.attitude, .biases = at.biases}, known, 0.5 * kApart);
         const double prior = log_prior(estimator.state, known);

@@ -81,6 +81,23 @@ Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
     return (2.0 * arctangent(sine, sign * q.w()) / sine) * sign * q.vec();
 }
 
+double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+    return rotation_vector(a.conjugate() * b).norm();
+}
+
+Eigen::Quaterniond between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double share) {
+    return a * quaternion(share * rotation_vector(a.conjugate() * b));
+}
+
+Eigen::Matrix3d about_up(double angle) {
+    const auto [sine, cosine] = sincos(angle);
+    Eigen::Matrix3d R;
+    R << cosine, -sine, 0.0,  //
+        sine, cosine, 0.0,    //
+        0.0, 0.0, 1.0;
+    return R;
+}
+
 Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& C) { return rotation_vector(Eigen::Quaterniond(C)); }
 
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& rotation_vector) {

@@ -41,6 +41,14 @@ Eigen::Quaterniond quaternion(const Eigen::Vector3d& rotation_vector);
 // Rotation vector [rad] of a unit quaternion, |a| <= pi.
 Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q);
 
+// Angle between two attitudes [rad], and the attitude that lies between them at a share of the way, about a
+// fixed axis.
+double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
+Eigen::Quaterniond between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double share);
+
+// Rotation about the third axis, up in ENU [rad].
+Eigen::Matrix3d about_up(double angle);
+
 // Likewise, of a rotation matrix.
 Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& C);
 

@@ -29,17 +29,18 @@ void add(const Operation& operation) {
     }
 }
 
-// A component keeps its inputs, most of which change seldom: those of receivers and aids.
-int renew(const Operation& operation) {
+// A component keeps its inputs, most of which change seldom: those of receivers and aids. What it has before
+// the first step is not known.
+int renew(const Operation& operation, bool first) {
     const std::size_t bytes = operation.count * operation.size;
-    if (std::memcmp(operation.values, operation.last, bytes) == 0) {
+    if (!first && std::memcmp(operation.values, operation.last, bytes) == 0) {
         return 0;
     }
     std::memcpy(operation.last, operation.values, bytes);
     return operation.access(operation.component, operation.references, operation.count, operation.values);
 }
 
-int carry_out(const Operation& operation, double time, double step) {
+int carry_out(const Operation& operation, double time, double step, bool first) {
     switch (operation.kind) {
         case Kind::step:
             return operation.step(operation.component, time, step, 1);
@@ -47,7 +48,7 @@ int carry_out(const Operation& operation, double time, double step) {
             return operation.access(operation.component, operation.references, operation.count,
                                     operation.values);
         case Kind::renew:
-            return renew(operation);
+            return renew(operation, first);
         case Kind::gather:
             if (operation.size == sizeof(std::uint64_t)) {
                 gather<std::uint64_t>(operation);
@@ -89,7 +90,7 @@ std::ptrdiff_t run(Loop& loop, std::size_t until) {
             }
             if (operation.kind == Kind::look) {
                 fix = look(operation, loop);
-            } else if (carry_out(operation, time, step) >= kDiscard) {
+            } else if (carry_out(operation, time, step, loop.done == 0) >= kDiscard) {
                 return static_cast<std::ptrdiff_t>(i);
             }
             operation.values += operation.values_stride;

@@ -5,13 +5,17 @@ A C library chooses its functions by the processor, and their last bits differ; 
 
 from __future__ import annotations
 
+import re
 import shutil
+import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
 import c_program
 import numpy as np
 import pytest
+from archives import FMUS
 from numpy.typing import NDArray
 
 from sim_scenarios.exchange.forms import FMI2
@@ -23,7 +27,10 @@ EMULATOR = "qemu-x86_64"
 PROCESSORS = {"SSE4.2": "Nehalem", "AVX": "SandyBridge", "AVX2 and FMA": "Haswell"}
 SETTINGS = {"duration": 60.0, "evaluation.start": 30.0, "evaluation.stop": 60.0, "communication_step": 0.1}
 
-pytestmark = pytest.mark.skipif(shutil.which(EMULATOR) is None, reason=f"{EMULATOR} is not installed")
+BY_PROCESSOR = re.compile(
+    r"(?:a?(?:sin|cos|tan)h?|atan2|sincos|exp[m12]*|exp10|log(?:1p|2|10)?|pow|cbrt|hypot|fma|[lt]gamma|erfc?)f?"
+)
+"""Functions of a C library that it has several of."""
 
 
 def outputs_of(system: System, emulator: list[str], program: Path, folder: Path) -> NDArray[np.float64]:
@@ -41,11 +48,26 @@ def outputs_of(system: System, emulator: list[str], program: Path, folder: Path)
     return c_program.outputs([*emulator, program, *arguments], given, folder)
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads a binary of Linux")
+@pytest.mark.parametrize("name", ["TruthPlant", "AlignmentFilter", "NavigationFilter", "Playback"])
+def test_no_function_is_used_that_the_processor_chooses(name: str, tmp_path: Path) -> None:
+    with zipfile.ZipFile(FMUS / f"{name}.fmu") as archive:
+        (member,) = (one for one in archive.namelist() if one.endswith(f"/{name}.so"))
+        library = archive.extract(member, tmp_path)
+    listed = subprocess.run(
+        ["nm", "-D", "--undefined-only", library], capture_output=True, text=True, check=True
+    )
+    used = {line.split()[-1].partition("@")[0] for line in listed.stdout.splitlines()}
+    assert "memcpy" in used
+    assert {one for one in used if BY_PROCESSOR.fullmatch(one)} == set()
+
+
 @pytest.fixture(scope="module")
 def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return c_program.compiled(["cc"], FMI2, tmp_path_factory.mktemp("program") / "system", ["-ldl"])
 
 
+@pytest.mark.skipif(shutil.which(EMULATOR) is None, reason=f"{EMULATOR} is not installed")
 @pytest.mark.parametrize("scenario", ["swaying_ship", "waves", "flight_loose_tight", "align_then_navigate"])
 def test_every_processor_has_the_same_bits(scenario: str, program: Path, tmp_path: Path) -> None:
     fmus = Fmus()

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <random>
 
@@ -18,6 +19,26 @@ constexpr double kDegree = kPi / 180.0;
 const Vector3d kRight = Vector3d::UnitX();
 const Vector3d kForward = Vector3d::UnitY();
 const Vector3d kUp = Vector3d::UnitZ();
+
+TEST(AboutUp, IsARotationAboutTheThirdAxis) {
+    for (const double angle : {0.0, 0.3, -2.0, 3.1}) {
+        const Matrix3d expected = Eigen::AngleAxisd(angle, kUp).toRotationMatrix();
+        EXPECT_LT((about_up(angle) - expected).norm(), 1e-15);
+    }
+}
+
+TEST(Between, IsWhatSlerpGives) {
+    std::srand(5);
+    for (int i = 0; i < 100; ++i) {
+        const Quaterniond a = Quaterniond::UnitRandom();
+        const Quaterniond b = Quaterniond::UnitRandom();
+        EXPECT_NEAR(angle_between(a, b), a.angularDistance(b), 1e-14);
+        EXPECT_NEAR(angle_between(a, a), 0.0, 1e-15);
+        for (const double share : {0.0, 0.3, 1.0}) {
+            EXPECT_LT(angle_between(between(a, b, share), a.slerp(share, b)), 1e-14);
+        }
+    }
+}
 
 TEST(Dcm, OfZeroAnglesPointsForwardNorthAndRightEast) {
     EXPECT_LT((dcm(EulerAngles{}) - Matrix3d::Identity()).norm(), 1e-16);
