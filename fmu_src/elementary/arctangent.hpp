@@ -16,7 +16,7 @@
 namespace truenorth {
 
 // Of the point (x, y), counted from x towards y, in [-pi, pi] [rad].
-inline double arctangent(double y, double x) {
+inline double arctangent(double y, double x) {              // NOLINTBEGIN(*-nested-conditional-operator)
     constexpr double tan_of_eighth = 0x1.a827999fcef32p-2;  // pi/8
     constexpr double quarter = 0x1.921fb54442d18p-1;        // pi/4; its products with 1 to 4 are exact
     constexpr double rest_of_quarter = 0x1.1a62633145c07p-55;
@@ -46,7 +46,7 @@ inline double arctangent(double y, double x) {
     const double from = exchanged ? 2.0 : (backwards ? 4.0 : 0.0);
     const double quarters = from + (turned ? sign : 0.0);
     return std::copysign((quarters * quarter + sign * angle) + quarters * rest_of_quarter, y);
-}
+}  // NOLINTEND(*-nested-conditional-operator)
 
 // Of every pair of elements of two arrays of fixed size.
 template <class Y, class X>

@@ -9,7 +9,7 @@
 
 namespace truenorth {
 
-namespace exponential_detail {
+namespace exponential_detail {  // NOLINTBEGIN(modernize-use-std-numbers): constants in two parts
 
 // e^x = 2^power (1 + more)
 struct Parts {
@@ -36,7 +36,7 @@ inline Parts parts_of(double x) {
     return {.power = static_cast<int>(k), .more = r + (r2 * E + rest * (1.0 + r))};
 }
 
-// Beyond these e^x is 0 and infinite.
+// Beyond these e^x is 0 and infinite. NOLINTEND(modernize-use-std-numbers)
 inline constexpr double kLowest = -746.0;
 inline constexpr double kHighest = 710.0;
 

@@ -15,7 +15,7 @@
 namespace truenorth {
 
 // Of x; minus infinity at 0, no number below it.
-inline double logarithm(double x) {
+inline double logarithm(double x) {  // NOLINTBEGIN(modernize-use-std-numbers, *-nested-conditional-operator)
     constexpr double ln2 = 0x1.62e42fefa3000p-1;  // its products with exponents are exact
     constexpr double rest_of_ln2 = 0x1.3de6af278ece6p-42;
     constexpr double sqrt_half = 0x1.6a09e667f3bcdp-1;
@@ -40,6 +40,6 @@ inline double logarithm(double x) {
                    z2 * ((0x1.74663fa29c0c2p-3 + z * 0x1.39a1a6ef4624fp-3) + z2 * 0x1.2f0634b6afe37p-3)));
     const double half_square = 0.5 * f * f;
     return exponent * ln2 - ((half_square - (s * (half_square + R) + exponent * rest_of_ln2)) - f);
-}
+}  // NOLINTEND(modernize-use-std-numbers, *-nested-conditional-operator)
 
 }  // namespace truenorth

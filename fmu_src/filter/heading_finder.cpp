@@ -57,10 +57,10 @@ void HeadingFinder::turn_with_measured(const Eigen::Matrix3d& R, const IntervalA
 }
 
 Eigen::Matrix3d HeadingFinder::upright(double angle) const {
-    const Eigen::Matrix3d heading = about_up(angle);
     if (memory_ <= 0.0) {
-        return heading;
+        return about_up(angle);
     }
+    const Eigen::Matrix3d heading = about_up(angle);
     const Eigen::Vector3d force = force_ / memory_;
     const Eigen::Vector2d level = acceleration_ / memory_;
     const double up = std::sqrt(std::max(force.squaredNorm() - level.squaredNorm(), 1.0));

@@ -2,9 +2,11 @@
 // exceptions that find no memory; of a library that all programs share that does not matter, but a tool that
 // loads and unloads an FMU for every run would lose as much each time.
 
+// NOLINTBEGIN(bugprone-reserved-identifier): of libstdc++, meant for tools that look for leaks
 namespace __gnu_cxx {
-void __freeres();  // of libstdc++, meant for tools that look for leaks
+void __freeres();
 }
+// NOLINTEND(bugprone-reserved-identifier)
 
 namespace {
 

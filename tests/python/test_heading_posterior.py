@@ -48,8 +48,10 @@ AIDS = {
 }
 
 
-@pytest.mark.parametrize("motion", MOTIONS)
-@pytest.mark.parametrize("aid", AIDS)
+@pytest.mark.parametrize(
+    ("motion", "aid"),
+    [*((motion, "position") for motion in MOTIONS), ("turn", "velocity"), ("turn", "lever arm")],
+)
 def test_of_small_errors_it_is_the_cramer_rao_bound(motion: str, aid: str) -> None:
     """Prior of 10 deg, tactical gyros. While the heading is found, squares of its error are worth 4 %."""
     trajectory = trajectories.ship(TIME, **MOTIONS[motion])
@@ -182,13 +184,21 @@ def test_a_scenario_has_it_where_its_prior_is_wide(fmus: Fmus) -> None:
     assert 0 < wide.attrs["bound.heading_rms_any_standard_error"] < 0.05 * rms
 
 
+def test_hypotheses_are_close_enough_for_twenty_minutes_of_turns(fmus: Fmus) -> None:
+    """Nothing is known beforehand, and the heading is found. Twice as far apart they are 3 % off."""
+    known = bound("align_then_navigate", fmus=fmus).attrs
+    assert known["bound.heading_rms_any"] == pytest.approx(known["bound.heading_rms"], rel=0.01)
+
+
 def test_refuses_what_it_cannot_use() -> None:
     trajectory = trajectories.ship(TIME[:101])
     with pytest.raises(InputError, match=r"more than 1.125 deg"):
-        heading_posterior(trajectory, Knowledge(heading_sigma=2 * DEGREE))
+        heading_posterior(trajectory, Knowledge(heading_sigma=1 * DEGREE))
     with pytest.raises(InputError, match="knows no log"):
         heading_posterior(trajectory, Knowledge(log=Log((0.1, 0.1, 0.1), 1.0)))
     with pytest.raises(InputError, match="needs GNSS"):
         heading_posterior(trajectory, Knowledge(gnss_rate=0.0))
+    with pytest.raises(InputError, match="needs a fix"):
+        heading_posterior(trajectory, Knowledge(gnss_rate=0.001))
     with pytest.raises(InputError, match="nothing is recorded between 300 s and 600 s"):
         heading_posterior(trajectory, Knowledge()).heading_rms(300, 600)
