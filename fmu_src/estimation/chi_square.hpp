@@ -20,7 +20,8 @@ inline double chi_square_beyond(double deviate, int degrees) {
 // The inverse: the standard normal variable that is as rare as this chi-square.
 inline double normal_deviate(double chi_square, double degrees) {
     const double v = 2.0 / (9.0 * degrees);
-    const double root = exponential(logarithm(chi_square / degrees) / 3.0);
+    const double share = chi_square / degrees;
+    const double root = std::copysign(exponential(logarithm(std::abs(share)) / 3.0), share);
     return (root - (1.0 - v)) / std::sqrt(v);
 }
 
