@@ -150,7 +150,7 @@ class Loop:
     def write(self, port: Port) -> None:
         """Buffers of a port into its variables, as far as they have changed: those of a sensor together."""
         for part, call in port.setters_by_sensor():
-            last = ~part.view(np.uint8)  # another, so that the first one counts
+            last = np.empty_like(part)
             self._memory.append(last)
             self._access(port, "setting", call, _Kind.renew, last=last.ctypes.data, size=part.itemsize)
 

@@ -162,7 +162,7 @@ def heading_posterior(
     Raises
     ------
     InputError
-        There is no GNSS, or a log; or the heading is known better than a hypothesis is wide.
+        There is no GNSS, no fix, or a log; or the heading is known better than a hypothesis is wide.
     """
     if knowledge.heading_sigma <= WIDTH:
         raise InputError(f"the posterior needs a heading sigma of more than {WIDTH / DEGREE:g} deg")
@@ -170,6 +170,8 @@ def heading_posterior(
         raise InputError("the posterior of the heading knows no log")
     (gnss,) = aids_of(trajectory, knowledge)
     measured = np.flatnonzero(gnss.arriving)
+    if not len(measured):
+        raise InputError("the bound of heading errors of any size needs a fix")
     generator = np.random.default_rng(seed)
     sigma = prior_sigma(knowledge)
     sigma[HEADING] = 0.0  # what is not known of it, the weights say
@@ -307,8 +309,6 @@ def _composed(
     F = error_dynamics(begin, end, len(density), psi) * dt[..., None]
     put_in = contradiction + (F @ contradiction[..., None])[..., 0] / 2
     transition, noise = discretised(begin, end, density, psi)
-    if not len(measured):
-        raise InputError("the bound of heading errors of any size needs a fix")
     ends = set(measured.tolist())
     steps = []
     for k in range(measured[-1]):

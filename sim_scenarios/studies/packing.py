@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -119,5 +119,6 @@ def _resized(array: Mapping[str, Any], size: int) -> dict[str, Any]:
     return {**array, "chunks": chunks}
 
 
-def _edit(path: Path, change: Any) -> None:
+def _edit(path: Path, change: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
+    """Change what a JSON file says."""
     path.write_text(json.dumps(change(json.loads(path.read_text(encoding="utf-8")))), encoding="utf-8")

@@ -27,6 +27,11 @@ EMULATOR = "qemu-x86_64"
 PROCESSORS = {"SSE4.2": "Nehalem", "AVX": "SandyBridge", "AVX2 and FMA": "Haswell"}
 SETTINGS = {"duration": 60.0, "evaluation.start": 30.0, "evaluation.stop": 60.0, "communication_step": 0.1}
 
+FAULTY = {
+    **{"fault.imu.kind": "silence", "fault.imu.begin": 35.0, "fault.imu.duration": 5.0},
+    **{"gnss.latency": 0.123, "gnss.position_outlier.probability": 0.05},
+}
+"""What makes a filter begin anew, and take fixes between two samples of the IMU."""
 BY_PROCESSOR = re.compile(
     r"(?:a?(?:sin|cos|tan)h?|atan2|sincos|exp[m12]*|exp10|log(?:1p|2|10)?|pow|cbrt|hypot|fma|[lt]gamma|erfc?)f?"
 )
@@ -69,9 +74,12 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.skipif(shutil.which(EMULATOR) is None, reason=f"{EMULATOR} is not installed")
 @pytest.mark.parametrize("scenario", ["swaying_ship", "waves", "flight_loose_tight", "align_then_navigate"])
-def test_every_processor_has_the_same_bits(scenario: str, program: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("settings", [{}, FAULTY], ids=["sound", "faulty"])
+def test_every_processor_has_the_same_bits(
+    scenario: str, settings: dict[str, object], program: Path, tmp_path: Path
+) -> None:
     fmus = Fmus()
-    system = of_scenario(load_scenario(scenario, fmus, settings=SETTINGS), fmus)
+    system = of_scenario(load_scenario(scenario, fmus, settings={**SETTINGS, **settings}), fmus)
     here = outputs_of(system, [], program, tmp_path)
     assert len(here) == 601
     for name, processor in PROCESSORS.items():

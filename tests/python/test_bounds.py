@@ -18,14 +18,6 @@ TIME = np.arange(6001) / 10
 WINDOW = (300.0, 600.0)
 
 GNSS = [(0.1, 1), (0.05, 1), (0.02, 1), (0.1, 10), (0.02, 10)]  # sigma [m/s], rate [Hz]
-MOTIONS = {
-    "static": {"sway": False, "speed": 0.0},
-    "steady": {},
-    "waves": {"waves": True},
-    "turn": {"turns": [(150, 60, 90)]},
-    "zigzag 20": {"turns": trajectories.zigzag(20)},
-    "zigzag 45": {"turns": trajectories.zigzag(45)},
-}
 # RMS of the heading sigma over 300 to 600 s [arcmin]
 TABLE = {
     "static": (15.21, 14.63, 14.42, 14.50, 14.34),
@@ -42,7 +34,7 @@ CELLS = [
 
 @pytest.mark.parametrize(("motion", "sigma", "rate", "figure"), CELLS)
 def test_reproduces_the_table(motion: str, sigma: float, rate: float, figure: float) -> None:
-    trajectory = trajectories.ship(TIME, **MOTIONS[motion])
+    trajectory = trajectories.ship(TIME, **trajectories.MOTIONS[motion])
     result = cramer_rao(trajectory, Knowledge(gnss_velocity_sigma=sigma, gnss_rate=rate))
     assert result.heading_rms(*WINDOW) / ARCMIN == pytest.approx(figure, rel=0.03)
 
@@ -50,7 +42,7 @@ def test_reproduces_the_table(motion: str, sigma: float, rate: float, figure: fl
 @pytest.mark.parametrize("scenario", ["swaying_ship", "waves", "turn", "zigzag"])
 def test_plant_and_closed_form_agree(scenario: str, fmus) -> None:
     motion = {"swaying_ship": "steady", "zigzag": "zigzag 20"}.get(scenario, scenario)
-    closed_form = cramer_rao(trajectories.ship(TIME, **MOTIONS[motion]), Knowledge())
+    closed_form = cramer_rao(trajectories.ship(TIME, **trajectories.MOTIONS[motion]), Knowledge())
     plant = bound(scenario, fmus=fmus).attrs["bound.heading_rms"]
     assert plant == pytest.approx(closed_form.heading_rms(*WINDOW), rel=0.005)
 
@@ -115,7 +107,7 @@ def test_biases_that_are_not_drawn_leave_the_bound_as_it_is(fmus: Fmus) -> None:
 
 @pytest.mark.parametrize("motion", ["steady", "waves", "zigzag 20"])
 def test_agrees_with_the_error_model_of_pyins(motion: str) -> None:
-    trajectory = trajectories.ship(TIME, **MOTIONS[motion])
+    trajectory = trajectories.ship(TIME, **trajectories.MOTIONS[motion])
     expected = heading_sigma_by_pyins(trajectory, Knowledge())
     late = TIME[::10] >= WINDOW[0]
     np.testing.assert_allclose(

@@ -29,13 +29,6 @@ from sim_scenarios.units import DEGREE, HOUR, STANDARD_GRAVITY
 SEEDS = (SEED, 20)
 CHANCE = 4.0  # standard errors
 TIME = np.arange(3001) / 10
-MOTIONS = {
-    "static": {"sway": False, "speed": 0.0},
-    "steady": {},
-    "waves": {"waves": True},
-    "turn": {"turns": [(150, 60, 90)]},
-    "zigzag": {"turns": trajectories.zigzag(20)},
-}
 MICROMECHANICAL = {
     "angle_random_walk": 0.06 * DEGREE / HOUR**0.5,
     "velocity_random_walk": 85e-6 * STANDARD_GRAVITY,
@@ -50,11 +43,11 @@ AIDS = {
 
 @pytest.mark.parametrize(
     ("motion", "aid"),
-    [*((motion, "position") for motion in MOTIONS), ("turn", "velocity"), ("turn", "lever arm")],
+    [*((motion, "position") for motion in trajectories.MOTIONS), ("turn", "velocity"), ("turn", "lever arm")],
 )
 def test_of_small_errors_it_is_the_cramer_rao_bound(motion: str, aid: str) -> None:
     """Prior of 10 deg, tactical gyros. While the heading is found, squares of its error are worth 4 %."""
-    trajectory = trajectories.ship(TIME, **MOTIONS[motion])
+    trajectory = trajectories.ship(TIME, **trajectories.MOTIONS[motion])
     knowledge = Knowledge(**AIDS[aid])
     found = heading_posterior(trajectory, knowledge, draws=20)
     expected = cramer_rao(trajectory, knowledge)
@@ -70,7 +63,7 @@ def test_of_small_errors_it_is_the_cramer_rao_bound(motion: str, aid: str) -> No
 )
 def test_it_is_as_wrong_as_it_says(motion: str, drift: float, seed: int) -> None:
     """Squared errors of the posterior mean less its variance have the mean zero, at every time."""
-    trajectory = trajectories.ship(TIME, **MOTIONS[motion])
+    trajectory = trajectories.ship(TIME, **trajectories.MOTIONS[motion])
     knowledge = Knowledge(heading_sigma=60 * DEGREE, gyro_bias_sigma=drift * DEGREE / HOUR, **MICROMECHANICAL)
     found = heading_posterior(trajectory, knowledge, seed=seed)
     excess = np.square(found.error) - found.variance
@@ -121,7 +114,7 @@ def at_rest(drift: float, heading_sigma: float, seed: int) -> HeadingPosterior:
         velocity_random_walk=1e-7,
         gnss_velocity_sigma=0.01,
     )
-    trajectory = trajectories.ship(TIME[:1001], **MOTIONS["static"])
+    trajectory = trajectories.ship(TIME[:1001], **trajectories.MOTIONS["static"])
     return heading_posterior(trajectory, knowledge, seed=seed)
 
 
@@ -136,18 +129,18 @@ def test_gyros_that_do_not_feel_the_earth_leave_the_prior(heading_sigma: float, 
 def test_a_zigzag_shows_the_heading_to_gyros_that_do_not(seed: int) -> None:
     knowledge = Knowledge(heading_sigma=103.9 * DEGREE, gyro_bias_sigma=10 * DEGREE / HOUR, **MICROMECHANICAL)
     steady, zigzag = (
-        heading_posterior(trajectories.ship(TIME, **MOTIONS[motion]), knowledge, seed=seed)
-        for motion in ("steady", "zigzag")
+        heading_posterior(trajectories.ship(TIME, **trajectories.MOTIONS[motion]), knowledge, seed=seed)
+        for motion in ("steady", "zigzag 20")
     )
     assert steady.heading_sigma[-1] > 30 * DEGREE
     assert zigzag.heading_sigma[-1] < 1 * DEGREE
-    small = cramer_rao(trajectories.ship(TIME, **MOTIONS["zigzag"]), knowledge)
+    small = cramer_rao(trajectories.ship(TIME, **trajectories.MOTIONS["zigzag 20"]), knowledge)
     assert zigzag.heading_sigma[-1] == pytest.approx(small.heading_sigma[-1], rel=0.01)
 
 
 @pytest.mark.parametrize("motion", ["static", "turn"])
 def test_below_a_wide_prior_the_cramer_rao_bound_is_enough(motion: str) -> None:
-    trajectory = trajectories.ship(TIME, **MOTIONS[motion])
+    trajectory = trajectories.ship(TIME, **trajectories.MOTIONS[motion])
     for drift in (1.0, 10.0):
         knowledge = Knowledge(heading_sigma=WIDE, gyro_bias_sigma=drift * DEGREE / HOUR, **MICROMECHANICAL)
         ratio = (

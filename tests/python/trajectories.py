@@ -56,3 +56,14 @@ def ship(time, *, sway=True, speed=10.0, waves=False, turns=()):
 def zigzag(amplitude):
     """Turns of a zigzag of +-amplitude [deg]."""
     return [(begin, 30, change * amplitude) for begin, change in ZIGZAG]
+
+
+MOTIONS = {
+    "static": {"sway": False, "speed": 0.0},
+    "steady": {},
+    "waves": {"waves": True},
+    "turn": {"turns": [(150, 60, 90)]},
+    "zigzag 20": {"turns": zigzag(20)},
+    "zigzag 45": {"turns": zigzag(45)},
+}
+"""Keywords of `ship`, by name: of a vehicle at rest, on a steady course, in swell, in manoeuvres."""

@@ -201,7 +201,7 @@ TEST_F(RunnerLoop, GathersWideAndNarrowSignals) {
 }
 
 TEST_F(RunnerLoop, WritesWhatHasChangedSinceItWasWrittenLast) {
-    std::int32_t last = ~counter;
+    std::int32_t last = counter;  // the first is written all the same
     add_step();
     add_access(get_integers, 1, bytes(&counter));
     Operation& renewed = add(Kind::renew);
